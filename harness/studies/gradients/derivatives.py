@@ -1,6 +1,6 @@
 """Three derivatives of a bounce: exact, by differences of runs, and an engine's own."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +8,7 @@ import numpy as np
 from harness.core.case import Case
 from harness.core.trajectory import Floats, Trajectory
 from harness.engines.base import features_of
-from harness.engines.linearised import change_between
+from harness.engines.linearised import LinearisedMotion, change_between
 from harness.engines.reference.derivatives import derivatives_of
 from harness.engines.reference.truth import exact_motion
 from harness.engines.registry import engine
@@ -31,6 +31,9 @@ Numbers = Mapping[str, float | None]
 
 OWN_STEPS = (1e-4, 1e-6, 1e-8)
 """Steps of the differences that an engine takes of its own step, in its own units."""
+
+PROGRAM = "program"
+"""In place of that step, of an engine that differentiates its program and takes no differences."""
 
 _OF_BOUNCE = {key: quantities.QUANTITIES[key].of_bounce for key in QUANTITIES}
 
@@ -64,10 +67,17 @@ def _lost(case: Case, error: LostTaskError) -> Record:
 
 
 def exact_derivatives(case: Case) -> Record:
-    """Return by quantity and key the derivatives of the exact bounce, per unit of the key."""
-    keys = keys_of(case.scene, KEYS)
-    slopes = derivatives_of(case.scene).slopes
-    return {quantity: {key: slopes[quantity].get(key) for key in keys} for quantity in QUANTITIES}
+    """Return the derivatives of the exact bounce.
+
+    Returns
+    -------
+    dict
+        "slopes": by quantity and key, per unit of the key, None where there is none; "why": by
+        quantity, why there is none.
+    """
+    keys, found = keys_of(case.scene, KEYS), derivatives_of(case.scene)
+    slopes = {quantity: {key: by.get(key) for key in keys} for quantity, by in found.slopes.items()}
+    return {"slopes": slopes, "why": dict(found.why)}
 
 
 def own_derivatives(case: Case) -> Record:
@@ -76,35 +86,46 @@ def own_derivatives(case: Case) -> Record:
     Returns
     -------
     dict
-        By the step of the engine's own differences, as a text, then by quantity and key; empty if
-        the engine offers none.
+        "own": a list, of which each entry has `settings`, those that the engine needs on top of the
+        case; `step`, that of the engine's own differences, or `PROGRAM`; `values`, by quantity and
+        key; and `why`, a sentence where the engine has none. The list is empty if the engine does
+        not differentiate itself.
     """
-    return call_at_engine(case.engine, _own_derivatives, case)
+    return {"own": call_at_engine(case.engine, _own_derivatives, case)}
 
 
-def _own_derivatives(case: Case) -> Record:
-    linearise = features_of(engine(case.engine)).linearise
-    scene = case.scene
+def _own_derivatives(case: Case) -> list[Record]:
+    features = features_of(engine(case.engine))
+    linearise, scene = features.linearise, case.scene
     keys = [key for key in keys_of(scene, KEYS) if key.startswith("release.")]
     if linearise is None or case.engine == "reference":
-        return {}
+        return []
     changes = np.stack([_of_release(scene, key) for key in keys], axis=1)
     seconds = simulated_seconds(scene) * _PAST_THE_END
-    found: Record = {}
-    for step in OWN_STEPS:
-        run = linearise(case, changes, seconds=seconds, step=step)
-        by_key = {}
-        for column, key in enumerate(keys):
-            size = _DISPLACED * unit_of(scene, key)
-            ends = [run.displaced(column, sign * size) for sign in (1.0, -1.0)]
-            up, down = (_numbers_of_motion(end, scene) for end in ends)
-            by_key[key] = {
-                q: None
-                if (a := up[q]) is None or (b := down[q]) is None
-                else (a - b) / (2.0 * size)
-                for q in QUANTITIES
-            }
-        found[f"{step:g}"] = {q: {key: by_key[key][q] for key in keys} for q in QUANTITIES}
+    found: list[Record] = []
+    for settings in ((), *(variant.settings for variant in features.linearise_variants)):
+        changed = replace(case, options=(*case.options, *settings))
+        words = ", ".join(f"{name} {value}" for name, value in settings)
+        for step in OWN_STEPS:
+            run = linearise(changed, changes, seconds=seconds, step=step)
+            label = f"{step:g}" if run.by_differences else PROGRAM
+            values = {} if run.why else _by_quantity(run, scene, keys)
+            found.append({"settings": words, "step": label, "values": values, "why": run.why})
+            if not run.by_differences:
+                break
+    return found
+
+
+def _by_quantity(run: LinearisedMotion, scene: Scene, keys: Sequence[str]) -> Record:
+    """Return by quantity and key what a linearised motion says; None where it has no number."""
+    found: dict[str, dict[str, float | None]] = {quantity: {} for quantity in QUANTITIES}
+    for column, key in enumerate(keys):
+        size = _DISPLACED * unit_of(scene, key)
+        ends = [run.displaced(column, sign * size) for sign in (1.0, -1.0)]
+        up, down = (_numbers_of_motion(end, scene) for end in ends)
+        for quantity in QUANTITIES:
+            a, b = up[quantity], down[quantity]
+            found[quantity][key] = None if a is None or b is None else (a - b) / (2.0 * size)
     return found
 
 
@@ -129,8 +150,13 @@ def _numbers_of_motion(trajectory: Trajectory, scene: Scene) -> Numbers:
 
 
 def _no_derivatives(case: Case, error: LostTaskError) -> Record:
-    del case, error
-    return {}
+    del case
+    return {"slopes": {}, "why": dict.fromkeys(QUANTITIES, error.reason)}
+
+
+def _lost_own(case: Case, error: LostTaskError) -> Record:
+    del case
+    return {"own": [{"settings": "", "step": PROGRAM, "values": {}, "why": error.reason}]}
 
 
 def _work(name: str, kind: str, call: Callable[[Case], Record]) -> Work[Case, Record]:
@@ -156,6 +182,7 @@ EXACT: Work[Case, Record] = _work("exact derivatives", "exact-derivatives", exac
 
 OWN: Work[Case, Record] = replace(
     _work("derivatives of engines", "own-derivatives", own_derivatives),
+    lost=_lost_own,
     effort=lambda case: 30.0 * expected_seconds(case),
 )
 """Ask an engine for the derivatives of a case."""

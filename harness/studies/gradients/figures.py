@@ -9,6 +9,7 @@ from harness.core.case import Case
 from harness.core.report_model import Figure, Panel, Series
 from harness.engines.ladder import rung_of, spelled
 from harness.metrics import quantities
+from harness.studies.gradients.derivatives import OWN_STEPS, PROGRAM
 from harness.studies.gradients.findings import Differences, OwnDerivative
 
 
@@ -87,23 +88,18 @@ def _step_series(own: Sequence[Differences]) -> Iterator[Series]:
 
 def own_figures(scene: str, own: Sequence[OwnDerivative]) -> Iterator[Figure]:
     """Yield the errors of the engines' own derivatives against their own step, if there are any."""
-    if not own:
+    judged = [each for each in own if each.error is not None]
+    if not judged:
         return
-    finest = {each.base.engine: each.base for each in own}
+    finest = {each.base.engine: each.base for each in judged}
     panels = []
-    for quantity in dict.fromkeys(each.quantity for each in own):
+    for quantity in dict.fromkeys(each.quantity for each in judged):
         series = []
         for engine, base in finest.items():
-            mine = [e for e in own if e.base is base and e.quantity == quantity]
-            for key in dict.fromkeys(each.key for each in mine):
-                pairs = [(float(e.step), e.error) for e in mine if e.key == key]
-                x, y = np.array(pairs).T
-                label = f"{engine}, {key}"
-                series.append(
-                    Series(
-                        label=label, kind=engine, x=x, y=np.maximum(y, _LEAST_ERROR), mark="both"
-                    )
-                )
+            mine = [e for e in judged if e.base is base and e.quantity == quantity]
+            for key, settings in dict.fromkeys((each.key, each.settings) for each in mine):
+                of_key = [e for e in mine if (e.key, e.settings) == (key, settings)]
+                series.append(_own_series(f"{engine}, {key}", of_key))
         panels.append(
             Panel(
                 title=quantities.QUANTITIES[quantity].label,
@@ -120,8 +116,27 @@ def own_figures(scene: str, own: Sequence[OwnDerivative]) -> Iterator[Figure]:
         seen=(
             "The engine differentiates each of its steps and the products are chained over the "
             "bounce. Its differences must be short beside the depth to which the contact gives "
-            "way, or they leave the contact that they differentiate."
+            "way, or they leave the contact that they differentiate. An engine that differentiates "
+            "its program takes no differences: its error is a level, dashed line."
         ),
         panels=tuple(panels),
         scene=scene,
+    )
+
+
+def _own_series(label: str, own: Sequence[OwnDerivative]) -> Series:
+    """Return the errors of one derivative over the steps of differences, or the level without."""
+    errors = np.array([max(each.error or 0.0, _LEAST_ERROR) for each in own])
+    program = own[0].step == PROGRAM
+    if program:
+        x, y = np.array([min(OWN_STEPS), max(OWN_STEPS)]), np.repeat(errors[:1], 2)
+    else:
+        x, y = np.array([float(each.step) for each in own]), errors
+    return Series(
+        label=label,
+        kind=own[0].base.engine,
+        x=x,
+        y=y,
+        mark="line" if program else "both",
+        dashed=program,
     )

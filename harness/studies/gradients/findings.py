@@ -30,10 +30,12 @@ class Differences:
     base : Case
         That is changed.
     key, quantity : str
-    exact : float
-        The exact derivative, per unit of the key.
+    exact : float or None
+        The exact derivative, per unit of the key; None where there is none.
     size : float
         Magnitude of the quantity itself.
+    why : str
+        Why there is no exact derivative.
     values : mapping of float to float or None
         Difference over its step, per unit of the key, by relative step from long to short.
     """
@@ -41,9 +43,10 @@ class Differences:
     base: Case
     key: str
     quantity: str
-    exact: float
+    exact: float | None
     size: float
     values: Mapping[float, float | None]
+    why: str = ""
 
     @property
     def unit(self) -> float:
@@ -51,15 +54,27 @@ class Differences:
         return unit_of(self.base.scene, self.key)
 
     @property
-    def scale(self) -> float:
+    def insensitive(self) -> bool:
+        """Whether the exact derivative is next to nothing beside quantity over key."""
+        return self.exact is not None and abs(self.exact) < self._least
+
+    @property
+    def _least(self) -> float:
+        return _INSENSITIVE * self.size / self.unit
+
+    @property
+    def scale(self) -> float | None:
         """What errors are relative to: the derivative, or of one next to nothing a share of Q/x."""
-        return max(abs(self.exact), _INSENSITIVE * self.size / self.unit)
+        return None if self.exact is None else max(abs(self.exact), self._least)
 
     @cached_property
     def errors(self) -> dict[float, float | None]:
-        """Relative errors by step."""
+        """Relative errors by step; None where they are not known."""
+        exact, scale = self.exact, self.scale
+        if exact is None or not scale:
+            return dict.fromkeys(self.values)
         return {
-            step: None if value is None else abs(value - self.exact) / self.scale
+            step: None if value is None else abs(value - exact) / scale
             for step, value in self.values.items()
         }
 
@@ -120,7 +135,7 @@ class Differences:
     @property
     def noise(self) -> float | None:
         """Noise of the quantity that the differences see, relative to the quantity."""
-        if self.parts is None or self.size == 0.0:
+        if self.parts is None or self.size == 0.0 or self.scale is None:
             return None
         return 2.0 * self.parts.noise * self.scale * self.unit / self.size
 
@@ -139,6 +154,8 @@ class Differences:
         Where no run of steps is right it is judged at the step that settles, since nobody who
         differentiates an engine knows which step happens to be best.
         """
+        if self.exact is None:
+            return Verdict(Status.NOT_JUDGED, f"not judged: {self.why}")
         usable, chosen = self.usable, self.settled or self.best
         if usable is not None:
             inside = [
@@ -184,27 +201,40 @@ class OwnDerivative:
     Parameters
     ----------
     base : Case
+    settings : str
+        That the engine needs on top of the case; empty without any.
     key, quantity : str
     step : str
-        Of the engine's own differences, in its own units.
-    value, exact, scale : float
+        Of the engine's own differences, in its own units; "program" of one that takes none.
+    value : float or None
         Per unit of the key.
+    exact, scale : float or None
+        Likewise; None where there is no exact derivative.
+    why : str
+        Why the engine or the reference has no number.
     """
 
     base: Case
+    settings: str
     key: str
     quantity: str
     step: str
-    value: float
-    exact: float
-    scale: float
+    value: float | None
+    exact: float | None
+    scale: float | None
+    why: str
 
     @property
-    def error(self) -> float:
-        """Relative error."""
+    def error(self) -> float | None:
+        """Relative error; None where it is not judged."""
+        if self.value is None or self.exact is None or self.scale is None:
+            return None
         return abs(self.value - self.exact) / self.scale
 
     @property
     def verdict(self) -> Verdict:
-        """Whether it is right."""
-        return judge(self.error, wrong_sign=self.value * self.exact < 0.0 and self.error > NEAR)
+        """Whether it is right, or why it is not judged."""
+        error = self.error
+        if error is None or self.value is None or self.exact is None:
+            return Verdict(Status.NOT_JUDGED, f"not judged: {self.why}")
+        return judge(error, wrong_sign=self.value * self.exact < 0.0 and error > NEAR)

@@ -9,7 +9,7 @@ from harness.core.report_model import Artefact, Column, Prose
 from harness.engines.ladder import rung_of, spelled
 from harness.evaluation.evaluation import Record
 from harness.metrics.convergence import observed_order
-from harness.studies.gradients.derivatives import CHANGING, EXACT, OWN, exact_numbers
+from harness.studies.gradients.derivatives import CHANGING, EXACT, OWN, PROGRAM, exact_numbers
 from harness.studies.gradients.design import QUANTITIES, GradientPlan, unit_of
 from harness.studies.gradients.figures import (
     at_finest,
@@ -69,10 +69,7 @@ class GradientsStudy:
                     for step in plan.steps
                 }
                 for quantity in QUANTITIES:
-                    slope, value = exact.get(quantity, {}).get(key), size[quantity]
-                    if slope is None or value is None:
-                        continue
-                    unit = unit_of(plan.scene, key)
+                    value, unit = size[quantity], unit_of(plan.scene, key)
                     values = {
                         step: _over(up[quantity], down[quantity], 2.0 * step * unit)
                         for step, (up, down) in ends.items()
@@ -82,9 +79,10 @@ class GradientsStudy:
                             base=base,
                             key=key,
                             quantity=quantity,
-                            exact=slope,
-                            size=abs(value),
+                            exact=exact["slopes"].get(quantity, {}).get(key),
+                            size=math.nan if value is None else abs(value),
                             values=values,
+                            why=exact["why"].get(quantity, f"no derivative by {key}"),
                         )
                     )
         return found
@@ -92,22 +90,28 @@ class GradientsStudy:
     def own(self, done: Results) -> list[OwnDerivative]:
         """Return the derivatives that engines have of their own."""
         known = {(d.base, d.key, d.quantity): d for d in self.differences(done)}
-        return [
-            OwnDerivative(
-                base=base,
-                key=key,
-                quantity=quantity,
-                step=step,
-                value=value,
-                exact=same.exact,
-                scale=same.scale,
-            )
-            for base, record in done.of(OWN).items()
-            for step, by_quantity in record.items()
-            for quantity, by_key in by_quantity.items()
-            for key, value in by_key.items()
-            if value is not None and (same := known.get((base, key, quantity))) is not None
-        ]
+        found = []
+        for base, record in done.of(OWN).items():
+            for entry in record["own"]:
+                for quantity in QUANTITIES:
+                    for key in (key for key in self.plan.keys if key.startswith("release.")):
+                        value = entry["values"].get(quantity, {}).get(key)
+                        same = known[base, key, quantity]
+                        unknown = entry["why"] or "the engine's own motion does not tell it"
+                        found.append(
+                            OwnDerivative(
+                                base=base,
+                                settings=entry["settings"],
+                                key=key,
+                                quantity=quantity,
+                                step=entry["step"],
+                                value=value,
+                                exact=same.exact,
+                                scale=same.scale,
+                                why=same.why if same.exact is None else unknown,
+                            )
+                        )
+        return found
 
     def report(self, done: Results) -> tuple[Artefact, ...]:
         """Return words, figures and tables."""
@@ -182,19 +186,28 @@ def _summary(scene: str, differences: Sequence[Differences], own: Sequence[OwnDe
         mine = [each for each in differences if each.base == base]
         paragraphs.append(_sentences(base, mine))
         of_engine = [each for each in own if each.base == base]
-        for step in dict.fromkeys(each.step for each in of_engine):
-            errors = sorted(
-                (each.error, each.quantity, each.key) for each in of_engine if each.step == step
-            )
-            right = sum(error <= RIGHT for error, *_ in errors)
-            error, quantity, key = errors[-1]
-            paragraphs.append(
-                f"Its own derivatives, with differences of {step} in a step, are right in {right} "
-                f"of {len(errors)}; the worst is off by {percent(error)} ({quantity} by {key})."
-            )
+        paragraphs += _of_its_own(of_engine)
     text = "\n\n".join(paragraphs)
     title = "Are gradients through a contact engine right?"
     return Prose(name=f"{scene}-summary", title=title, text=text, scene=scene)
+
+
+def _of_its_own(own: Sequence[OwnDerivative]) -> Iterator[str]:
+    """Yield a sentence on the derivatives of an engine's own, by how it came to them."""
+    for settings, step in dict.fromkeys((each.settings, each.step) for each in own):
+        mine = [each for each in own if (each.settings, each.step) == (settings, step)]
+        way = "of its program" if step == PROGRAM else f"with differences of {step} in a step"
+        way += f", under {settings}" if settings else ""
+        errors = sorted((e.error, e.quantity, e.key) for e in mine if e.error is not None)
+        if not errors:
+            yield f"Its own derivatives, {way}, are not judged: {mine[0].why}."
+            continue
+        right = sum(error <= RIGHT for error, *_ in errors)
+        error, quantity, key = errors[-1]
+        yield (
+            f"Its own derivatives, {way}, are right in {right} of {len(errors)}; the worst is off "
+            f"by {percent(error)} ({quantity} by {key})."
+        )
 
 
 def _sentences(base: Case, mine: Sequence[Differences]) -> str:
@@ -271,7 +284,8 @@ _GRADIENTS = (
 
 _OWN = (
     *_HEAD,
-    Column("engine_step", "Of the engine's own differences, in its own units.", "step"),
+    Column("settings", "That the engine needs for its derivative, on top of the profile."),
+    Column("engine_step", "Of its own differences, in its units; or its program, exactly.", "step"),
     Column("value", "The derivative that the engine gives."),
     _EXACT,
     Column("relative_error", _ERROR, "error"),
