@@ -6,8 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
+import numpy as np
+
 from harness.core.case import Case
 from harness.core.verdict import Status, Verdict
+from harness.studies.gradients.causes import Cause, long_cause, longest_run, short_cause
 from harness.studies.gradients.design import unit_of
 from harness.studies.gradients.fit import ErrorOfSteps, fit_errors
 
@@ -16,9 +19,6 @@ RIGHT, NEAR = 0.01, 0.1
 
 _INSENSITIVE = 1e-3
 """Share of quantity over key: a smaller derivative is compared with this, not with itself."""
-
-_ROUND_OFF = 1e-12
-"""Relative noise of a quantity up to which it is round-off, and not the engine's own roughness."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,6 +38,8 @@ class Differences:
         Why there is no exact derivative.
     values : mapping of float to float or None
         Difference over its step, per unit of the key, by relative step from long to short.
+    chaotic : bool
+        Whether disturbances of the motion grow exponentially.
     """
 
     base: Case
@@ -47,6 +49,7 @@ class Differences:
     size: float
     values: Mapping[float, float | None]
     why: str = ""
+    chaotic: bool = False
 
     @property
     def unit(self) -> float:
@@ -90,12 +93,10 @@ class Differences:
 
         Two neighbours make a run: an error that crosses zero is small at one step by chance.
         """
-        best: list[float] = []
-        run: list[float] = []
-        for step, error in self.errors.items():
-            run = [*run, step] if error is not None and error <= RIGHT else []
-            best = max(best, run, key=len)
-        return (min(best), max(best)) if len(best) > 1 else None
+        steps = list(self.errors)
+        right = [error is not None and error <= RIGHT for error in self.errors.values()]
+        run = longest_run(np.array(right, dtype=np.bool_))
+        return None if run is None else (steps[run[1]], steps[run[0]])
 
     @cached_property
     def parts(self) -> ErrorOfSteps | None:
@@ -139,13 +140,42 @@ class Differences:
             return None
         return 2.0 * self.parts.noise * self.scale * self.unit / self.size
 
-    @property
-    def cause(self) -> str:
-        """What takes over at short steps; empty if nothing does."""
-        noise = self.noise
-        if noise is None or self.noise_below is None:
-            return ""
-        return "round-off" if noise <= _ROUND_OFF else "roughness of the motion"
+    @cached_property
+    def short(self) -> Cause | None:
+        """What is wrong with steps below those that are right; None if nothing is."""
+        if self.exact is None or not self.scale:
+            return None
+        return short_cause(
+            tuple(self.values),
+            tuple(self.values.values()),
+            exact=self.exact,
+            scale=self.scale,
+            right=RIGHT,
+            unit=self.unit,
+            size=self.size,
+        )
+
+    @cached_property
+    def long(self) -> Cause | None:
+        """What is wrong with steps above those that are right; None if nothing is."""
+        if self.exact is None or not self.scale:
+            return None
+        return long_cause(
+            tuple(self.values),
+            tuple(self.values.values()),
+            exact=self.exact,
+            scale=self.scale,
+            right=RIGHT,
+            chaotic=self.chaotic,
+        )
+
+    def amount(self, error: float) -> str:
+        """Return a relative error in words: of the derivative, or of quantity over key."""
+        if self.insensitive:
+            return (
+                f"{percent(error * _INSENSITIVE)} of quantity over key, the exact being next to 0"
+            )
+        return percent(error)
 
     @property
     def verdict(self) -> Verdict:
@@ -163,15 +193,23 @@ class Differences:
                 for step, error in self.errors.items()
                 if error is not None and usable[0] <= step <= usable[1]
             ]
-            steps = f"with steps from {usable[0]:.0e} to {usable[1]:.0e}"
-            return Verdict(Status.AGREES, f"right to {percent(max(inside))} {steps}")
+            words = f"right to {self.amount(max(inside))} with steps from {usable[0]:.0e} to "
+            words += f"{usable[1]:.0e}{self._beyond}"
+            return Verdict(Status.AGREES, words)
         if chosen is None:
             return Verdict(Status.FAILED, "no bounce, so no derivative")
         step, error = chosen
         value = self.values[step]
         wrong = value is not None and value * self.exact < 0.0 and error > NEAR
-        return Verdict(
-            Status.DEVIATES, f"{_off(error, wrong_sign=wrong)} where it settles, at {step:.0e}"
+        words = _off(error, self.amount(error), wrong_sign=wrong)
+        return Verdict(Status.DEVIATES, f"{words} where it settles, at {step:.0e}{self._beyond}")
+
+    @property
+    def _beyond(self) -> str:
+        """What takes over at shorter and at longer steps, in words, with the steps."""
+        ends = (("down", self.short), ("up", self.long))
+        return "".join(
+            f"; {each.takeover.word} from {each.step:.0e} {way}" for way, each in ends if each
         )
 
 
@@ -179,12 +217,12 @@ def judge(error: float, *, wrong_sign: bool) -> Verdict:
     """Return the verdict on a relative error of a derivative."""
     if error <= RIGHT and not wrong_sign:
         return Verdict(Status.AGREES, f"right to {percent(error)}")
-    return Verdict(Status.DEVIATES, _off(error, wrong_sign=wrong_sign))
+    return Verdict(Status.DEVIATES, _off(error, percent(error), wrong_sign=wrong_sign))
 
 
-def _off(error: float, *, wrong_sign: bool) -> str:
+def _off(error: float, amount: str, *, wrong_sign: bool) -> str:
     kind = "near" if error <= NEAR else "wrong"
-    return f"{'wrong sign' if wrong_sign else kind}, off by {percent(error)}"
+    return f"{'wrong sign' if wrong_sign else kind}, off by {amount}"
 
 
 def percent(error: float) -> str:

@@ -277,7 +277,21 @@ _GRADIENTS = (
     Column("noise_below", "Step below which noise is the largest part."),
     Column("truncation_above", "Step above which truncation is."),
     Column("noise", "Noise of the quantity that the differences see, relative."),
-    Column("cause", "What takes over at short steps."),
+    Column(
+        "short_cause",
+        "What goes wrong at short steps.",
+        lambda d: d.short and d.short.takeover.word,
+    ),
+    Column("short_from", "Longest step of those.", lambda d: d.short and d.short.step),
+    Column(
+        "long_cause", "What goes wrong at long steps.", lambda d: d.long and d.long.takeover.word
+    ),
+    Column("long_from", "Shortest step of those.", lambda d: d.long and d.long.step),
+    Column(
+        "relative_to",
+        "What errors are relative to: quantity over key where the derivative is next to nothing.",
+        lambda d: "quantity over key / 1000" if d.insensitive else "exact derivative",
+    ),
     Column("fit_residual", "Root mean square of the log of error over fit.", "parts.residual"),
     Column("verdict", "Right, near, wrong, or of the wrong sign, and with which steps."),
 )
