@@ -1,5 +1,6 @@
 """Three derivatives of a bounce: exact, by differences of runs, and an engine's own."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
@@ -9,18 +10,31 @@ from harness.core.case import Case
 from harness.core.trajectory import Floats, Trajectory
 from harness.engines.base import features_of
 from harness.engines.linearised import LinearisedMotion, change_between
-from harness.engines.reference.derivatives import derivatives_of
+from harness.engines.reference.derivatives import derivatives_of, nutation_derivatives
 from harness.engines.reference.truth import exact_motion
-from harness.engines.registry import engine
+from harness.engines.registry import description_of, engine
 from harness.engines.remote import call_at_engine
-from harness.evaluation.effort import engine_group, expected_seconds, simulated_seconds
+from harness.evaluation.effort import (
+    engine_group,
+    expected_seconds,
+    expected_steps,
+    simulated_seconds,
+)
 from harness.evaluation.evaluate import check_case, evaluate_case
 from harness.evaluation.evaluation import Record
 from harness.execution.worker import LostTaskError
 from harness.metrics import quantities
 from harness.metrics.bounces import bounces
 from harness.metrics.motion import motion
-from harness.studies.gradients.design import KEYS, QUANTITIES, keys_of, unit_of, value_of
+from harness.studies.gradients.design import (
+    KEYS,
+    QUANTITIES,
+    instants,
+    keys_of,
+    quantities_of,
+    unit_of,
+    value_of,
+)
 from harness.studies.study import Work, record_cache
 from harness.sweep.parameters import scene_at
 from models.rim import released
@@ -41,13 +55,19 @@ _NOTHING: Numbers = dict.fromkeys(QUANTITIES)
 
 
 def exact_numbers(scene: Scene) -> Numbers:
-    """Return the quantities of the first exact bounce of a scene."""
-    found = exact_motion(scene).bounces
-    return {key: of(found[0]) for key, of in _OF_BOUNCE.items()} if found else _NOTHING
+    """Return the quantities of the first exact bounce of a scene, and phi at its instants."""
+    exact = exact_motion(scene)
+    found, times = exact.bounces, instants(scene)
+    numbers = {key: of(found[0]) for key, of in _OF_BOUNCE.items()} if found else _NOTHING
+    if not times:
+        return numbers
+    sampled = exact.at(np.array(list(times.values())))
+    phi = motion(sampled, scene).angles.phi
+    return {**numbers, **dict(zip(times, phi.tolist(), strict=True))}
 
 
 def numbers_of(case: Case) -> Record:
-    """Run a case and return its quantities, `numbers`, and how it ended, `ending`.
+    """Run a case and return its quantities, `numbers`, how it ended, `ending`, and its `settings`.
 
     Raises
     ------
@@ -55,15 +75,44 @@ def numbers_of(case: Case) -> Record:
         For wrong use, as `evaluate_case` does.
     """
     if case.engine == "reference":
-        return {"numbers": dict(exact_numbers(case.scene)), "ending": ""}
+        return {"numbers": dict(exact_numbers(case.scene)), "ending": "", "settings": {}}
     evaluation = evaluate_case(case)
     numbers = {key: quantities.QUANTITIES[key].of_run(evaluation) for key in QUANTITIES}
-    return {"numbers": numbers, "ending": evaluation.simulation.ending}
+    own = evaluation.simulation
+    numbers |= nutations(own.trajectory, case.scene)
+    return {"numbers": numbers, "ending": own.ending, "settings": dict(own.settings)}
+
+
+def nutations(trajectory: Trajectory | None, scene: Scene) -> dict[str, float | None]:
+    """Return phi of a run at the instants of its scene, rad; None after the run has ended.
+
+    Between two samples phi is the cubic that has their values and rates.
+    """
+    times = instants(scene)
+    if trajectory is None or len(trajectory.time) < 2 or not times:  # noqa: PLR2004 - an interval
+        return dict.fromkeys(times)
+    run = motion(trajectory, scene)
+    found: dict[str, float | None] = {}
+    for name, time in times.items():
+        # the last sample of a run may be a step before its horizon
+        right = int(np.clip(np.searchsorted(run.time, time), 1, len(run.time) - 1))
+        width = run.time[right] - run.time[right - 1]
+        share = (time - run.time[right - 1]) / width
+        if share > _PAST_THE_LAST:
+            found[name] = None
+            continue
+        left, end = run.angles.phi[right - 1], run.angles.phi[right]
+        rises = width * run.angles.phi_dot[right - 1], width * run.angles.phi_dot[right]
+        bend = 3.0 * (end - left) - 2.0 * rises[0] - rises[1]
+        twist = rises[0] + rises[1] - 2.0 * (end - left)
+        value = float(left + share * (rises[0] + share * (bend + share * twist)))
+        found[name] = value if math.isfinite(value) else None
+    return found
 
 
 def _lost(case: Case, error: LostTaskError) -> Record:
-    del case
-    return {"numbers": dict(_NOTHING), "ending": error.reason}
+    nothing = dict.fromkeys(quantities_of(case.scene))
+    return {"numbers": nothing, "ending": error.reason, "settings": {}}
 
 
 def exact_derivatives(case: Case) -> Record:
@@ -77,6 +126,11 @@ def exact_derivatives(case: Case) -> Record:
     """
     keys, found = keys_of(case.scene, KEYS), derivatives_of(case.scene)
     slopes = {quantity: {key: by.get(key) for key in keys} for quantity, by in found.slopes.items()}
+    times = instants(case.scene)
+    if times:
+        own = nutation_derivatives(case.scene, np.array(list(times.values())))
+        for name, by in zip(times, own, strict=True):
+            slopes[name] = {key: by.get(key) for key in keys}
     return {"slopes": slopes, "why": dict(found.why)}
 
 
@@ -118,16 +172,20 @@ def _own_derivatives(case: Case) -> list[Record]:
 
 def _by_quantity(run: LinearisedMotion, scene: Scene, keys: Sequence[str]) -> Record:
     """Return by quantity and key what a linearised motion says; None where it has no number."""
-    found: dict[str, dict[str, float | None]] = {quantity: {} for quantity in QUANTITIES}
+    names = quantities_of(scene)
+    found: dict[str, dict[str, float | None]] = {quantity: {} for quantity in names}
     for column, key in enumerate(keys):
         size = _DISPLACED * unit_of(scene, key)
         ends = [run.displaced(column, sign * size) for sign in (1.0, -1.0)]
         up, down = (_numbers_of_motion(end, scene) for end in ends)
-        for quantity in QUANTITIES:
+        for quantity in names:
             a, b = up[quantity], down[quantity]
             found[quantity][key] = None if a is None or b is None else (a - b) / (2.0 * size)
     return found
 
+
+_PAST_THE_LAST = 2.0
+"""Intervals behind the last but one sample up to which phi is still the cubic's."""
 
 _PAST_THE_END = 1.02
 """Share of the exact motion's time that is differentiated: past its last maximum of phi."""
@@ -146,7 +204,8 @@ def _of_release(scene: Scene, key: str) -> Floats:
 
 def _numbers_of_motion(trajectory: Trajectory, scene: Scene) -> Numbers:
     found = bounces(motion(trajectory, scene), scene.can)
-    return {key: of(found[0]) for key, of in _OF_BOUNCE.items()} if found else _NOTHING
+    numbers = {key: of(found[0]) for key, of in _OF_BOUNCE.items()} if found else _NOTHING
+    return {**numbers, **nutations(trajectory, scene)}
 
 
 def _no_derivatives(case: Case, error: LostTaskError) -> Record:
@@ -177,12 +236,34 @@ CHANGING: Work[Case, Record] = replace(
 )
 """Run a changed case and return the quantities of its first bounce."""
 
-EXACT: Work[Case, Record] = _work("exact derivatives", "exact-derivatives", exact_derivatives)
+
+def _exact_effort(case: Case) -> float:
+    """Return the processor time of exact derivatives, s: by quadrature, or of the whole motion."""
+    per_second = _VARIATIONAL * simulated_seconds(case.scene)
+    return _QUADRATURE + (per_second if case.scene.effects.declared() else 0.0)
+
+
+def _own_effort(case: Case) -> float:
+    """Return the processor time of an engine's own derivatives, s."""
+    description, runs = description_of(case.engine), len(OWN_STEPS)
+    differences = runs * _CALLS * expected_steps(case) * description.step_s
+    return _PROGRAM if description.compiles else differences
+
+
+_QUADRATURE, _VARIATIONAL = 0.05, 1.5
+"""s of exact derivatives: of an ideal can, and for a second of a motion with effects."""
+
+_CALLS, _PROGRAM = 60.0, 45.0
+"""Steps that a derivative of a step takes by central differences; s of compiling a derivative."""
+
+EXACT: Work[Case, Record] = replace(
+    _work("exact derivatives", "exact-derivatives", exact_derivatives), effort=_exact_effort
+)
 """Differentiate the exact bounce of a case."""
 
 OWN: Work[Case, Record] = replace(
     _work("derivatives of engines", "own-derivatives", own_derivatives),
     lost=_lost_own,
-    effort=lambda case: 30.0 * expected_seconds(case),
+    effort=_own_effort,
 )
 """Ask an engine for the derivatives of a case."""

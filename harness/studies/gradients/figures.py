@@ -8,8 +8,8 @@ import numpy as np
 from harness.core.case import Case
 from harness.core.report_model import Figure, Panel, Series
 from harness.engines.ladder import rung_of, spelled
-from harness.metrics import quantities
 from harness.studies.gradients.derivatives import OWN_STEPS, PROGRAM
+from harness.studies.gradients.design import label_of
 from harness.studies.gradients.findings import Differences, OwnDerivative
 
 
@@ -41,14 +41,15 @@ _LEAST_ERROR = 1e-14
 
 def step_figures(scene: str, differences: Sequence[Differences]) -> Iterator[Figure]:
     """Yield for each quantity that is drawn its error against the step, a panel a key."""
-    for quantity in _DRAWN:
+    drawn = [*_DRAWN, *(q for q in dict.fromkeys(d.quantity for d in differences) if "_at_" in q)]
+    for quantity in drawn:
         own = [each for each in differences if each.quantity == quantity]
         keys = dict.fromkeys(each.key for each in own)
-        if not own:
+        if not any(each.exact for each in own):
             continue
-        label = quantities.QUANTITIES[quantity].label
+        label = label_of(quantity)
         yield Figure(
-            name=f"{scene}-steps-{quantity.replace('_', '-')}",
+            name=f"{scene}-steps-{quantity.replace('_', '-').replace('.', '-')}",
             title=f"{label}: error of a difference against its step",
             seen=(
                 "To the right a difference is too long and its error falls as the square of the "
@@ -102,7 +103,7 @@ def own_figures(scene: str, own: Sequence[OwnDerivative]) -> Iterator[Figure]:
                 series.append(_own_series(f"{engine}, {key}", of_key))
         panels.append(
             Panel(
-                title=quantities.QUANTITIES[quantity].label,
+                title=label_of(quantity),
                 x_label="step of the engine's own differences",
                 y_label="relative error",
                 series=tuple(series),

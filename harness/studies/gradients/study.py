@@ -10,7 +10,13 @@ from harness.engines.ladder import rung_of, spelled
 from harness.evaluation.evaluation import Record
 from harness.metrics.convergence import observed_order
 from harness.studies.gradients.derivatives import CHANGING, EXACT, OWN, PROGRAM, exact_numbers
-from harness.studies.gradients.design import QUANTITIES, GradientPlan, unit_of
+from harness.studies.gradients.design import (
+    SETTING_STEPS,
+    GradientPlan,
+    quantities_of,
+    unit_of,
+    with_setting,
+)
 from harness.studies.gradients.figures import (
     at_finest,
     case_name,
@@ -19,6 +25,7 @@ from harness.studies.gradients.figures import (
     step_figures,
 )
 from harness.studies.gradients.findings import RIGHT, Differences, OwnDerivative, percent
+from harness.studies.gradients.settings import SETTINGS_COLUMNS, setting_changes
 from harness.studies.shared.run_columns import scene_table
 from harness.studies.study import Job, Results
 
@@ -46,12 +53,26 @@ class GradientsStudy:
         """The bases whose engines may differentiate themselves: those of one timestep."""
         return [base for base in self.plan.bases if base.engine != "reference" and steady(base)]
 
-    def next_jobs(self, _: Results) -> list[Job[Case, Record]]:
-        """Return every changed case, the exact derivatives, and those of engines."""
+    def next_jobs(self, done: Results) -> list[Job[Case, Record]]:
+        """Return every changed case, the exact derivatives, and those of engines.
+
+        Which settings are in force is known of runs: those with changed settings come second.
+        """
+        plan, runs = self.plan, done.of(CHANGING)
         return [
             Job(EXACT, self._truth),
-            *(Job(CHANGING, case) for case in self.plan.cases()),
+            *(Job(CHANGING, base) for base in plan.settled_bases),
+            *(Job(CHANGING, case) for case in plan.cases()),
             *(Job(OWN, base) for base in self._stepping),
+            *(
+                Job(CHANGING, with_setting(base, settings, name, 1.0 + sign * step))
+                for base in plan.settled_bases
+                if base in runs
+                for settings in (runs[base]["settings"],)
+                for name in plan.settings_of(base, settings)
+                for step in SETTING_STEPS
+                for sign in (1.0, -1.0)
+            ),
         ]
 
     def differences(self, done: Results) -> list[Differences]:
@@ -68,7 +89,7 @@ class GradientsStudy:
                     ]
                     for step in plan.steps
                 }
-                for quantity in QUANTITIES:
+                for quantity in quantities_of(plan.scene):
                     value, unit = size[quantity], unit_of(plan.scene, key)
                     values = {
                         step: _over(up[quantity], down[quantity], 2.0 * step * unit)
@@ -82,6 +103,7 @@ class GradientsStudy:
                             exact=exact["slopes"].get(quantity, {}).get(key),
                             size=math.nan if value is None else abs(value),
                             values=values,
+                            chaotic=plan.chaotic,
                             why=exact["why"].get(quantity, f"no derivative by {key}"),
                         )
                     )
@@ -93,7 +115,7 @@ class GradientsStudy:
         found = []
         for base, record in done.of(OWN).items():
             for entry in record["own"]:
-                for quantity in QUANTITIES:
+                for quantity in quantities_of(self.plan.scene):
                     for key in (key for key in self.plan.keys if key.startswith("release.")):
                         value = entry["values"].get(quantity, {}).get(key)
                         same = known[base, key, quantity]
@@ -118,12 +140,15 @@ class GradientsStudy:
         scene = self.plan.scene.name
         differences, own = self.differences(done), self.own(done)
         ladders = tuple(_ladders(differences))
+        exact = exact_numbers(self.plan.scene)
+        settings = tuple(setting_changes(self.plan, done.of(CHANGING), exact))
         return (
             _summary(scene, differences, own),
             *step_figures(scene, differences),
             *own_figures(scene, own),
             scene_table(scene, "gradients", "Derivatives by differences", _GRADIENTS, differences),
             scene_table(scene, "own", "Derivatives of the engines' own", _OWN, own),
+            scene_table(scene, "settings", "Settings of engines", SETTINGS_COLUMNS, settings),
             scene_table(scene, "timesteps", "As the timestep is shortened", _LADDERS, ladders),
             scene_table(scene, "differences", "Each difference", _EACH, _each(differences)),
         )
