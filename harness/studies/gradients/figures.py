@@ -9,7 +9,7 @@ from harness.core.case import Case
 from harness.core.report_model import Figure, Panel, Series
 from harness.engines.ladder import rung_of, spelled
 from harness.studies.gradients.derivatives import OWN_STEPS, PROGRAM
-from harness.studies.gradients.design import label_of
+from harness.studies.gradients.design import instants, label_of
 from harness.studies.gradients.findings import Differences, OwnDerivative
 
 
@@ -85,6 +85,82 @@ def _step_series(own: Sequence[Differences]) -> Iterator[Series]:
             mark="both",
             dashed=each.base not in finest,
         )
+
+
+def instants_of(differences: Sequence[Differences]) -> dict[str, float]:
+    """Return the instants at which phi is differentiated, s, by quantity."""
+    return instants(differences[0].base.scene) if differences else {}
+
+
+def instant_figures(scene: str, differences: Sequence[Differences]) -> Iterator[Figure]:
+    """Yield how far along a motion differences are right, if phi is differentiated at instants.
+
+    Each engine is at its finest timestep; a panel is the exact growth, or the error of one step.
+    """
+    times = instants_of(differences)
+    if not times:
+        return
+    own = [each for each in at_finest(differences) if each.quantity in times]
+    keys = dict.fromkeys(each.key for each in own)
+    steps = list(own[0].values)[1::2]
+    panels = [
+        Panel(
+            title="exact derivative of phi",
+            x_label="time [s]",
+            y_label="rad per relative change",
+            series=tuple(
+                Series(
+                    label=f"exact, by {key}",
+                    kind="reference",
+                    x=np.array(list(times.values())),
+                    y=np.array(
+                        [
+                            abs(next(e for e in own if (e.key, e.quantity) == (key, q)).growth)
+                            for q in times
+                        ]
+                    ),
+                    mark="both",
+                )
+                for key in keys
+            ),
+            log_y=True,
+        )
+    ]
+    first = next(iter(keys))
+    for base in dict.fromkeys(each.base for each in own):
+        mine = [each for each in own if each.base == base and each.key == first]
+        series = []
+        for step in steps:
+            y = [math.nan if (e := each.errors[step]) is None else e for each in mine]
+            series.append(
+                Series(
+                    label=f"{case_name(base)}, step {step:.0e}",
+                    kind=base.engine,
+                    x=np.array([times[each.quantity] for each in mine]),
+                    y=np.maximum(np.array(y), _LEAST_ERROR),
+                    mark="both",
+                )
+            )
+        panels.append(
+            Panel(
+                title=f"{case_name(base)}: by {first}",
+                x_label="time [s]",
+                y_label="relative error",
+                series=tuple(series),
+                log_y=True,
+            )
+        )
+    yield Figure(
+        name=f"{scene}-instants",
+        title="Derivatives of phi along a motion",
+        seen=(
+            "The exact derivative of phi at a time grows exponentially where the motion is chaos. "
+            "A difference leaves the linear range once its step times the derivative is a share of "
+            "phi itself; an engine's own error grows like the derivative does."
+        ),
+        panels=tuple(panels),
+        scene=scene,
+    )
 
 
 def own_figures(scene: str, own: Sequence[OwnDerivative]) -> Iterator[Figure]:

@@ -57,6 +57,11 @@ class Differences:
         return unit_of(self.base.scene, self.key)
 
     @property
+    def growth(self) -> float:
+        """The exact derivative over a relative change of the key, in the unit of the quantity."""
+        return math.nan if self.exact is None else self.exact * self.unit
+
+    @property
     def insensitive(self) -> bool:
         """Whether the exact derivative is next to nothing beside quantity over key."""
         return self.exact is not None and abs(self.exact) < self._least

@@ -20,6 +20,8 @@ from harness.studies.gradients.design import (
 from harness.studies.gradients.figures import (
     at_finest,
     case_name,
+    instant_figures,
+    instants_of,
     own_figures,
     steady,
     step_figures,
@@ -140,14 +142,22 @@ class GradientsStudy:
         scene = self.plan.scene.name
         differences, own = self.differences(done), self.own(done)
         ladders = tuple(_ladders(differences))
+        times = instants_of(differences)
+        along = [each for each in differences if each.quantity in times]
         exact = exact_numbers(self.plan.scene)
         settings = tuple(setting_changes(self.plan, done.of(CHANGING), exact))
         return (
             _summary(scene, differences, own),
             *step_figures(scene, differences),
+            *instant_figures(scene, differences),
             *own_figures(scene, own),
             scene_table(scene, "gradients", "Derivatives by differences", _GRADIENTS, differences),
             scene_table(scene, "own", "Derivatives of the engines' own", _OWN, own),
+            *(
+                [scene_table(scene, "instants", "Phi along the motion", _INSTANTS, along)]
+                if along
+                else []
+            ),
             scene_table(scene, "settings", "Settings of engines", SETTINGS_COLUMNS, settings),
             scene_table(scene, "timesteps", "As the timestep is shortened", _LADDERS, ladders),
             scene_table(scene, "differences", "Each difference", _EACH, _each(differences)),
@@ -337,6 +347,23 @@ _LADDERS = (
     _HEAD[4].of(lambda each: each.rungs[0].quantity),
     Column("errors", "Each timestep, with the error of the difference that settles.", "words"),
     Column("order", "Order with which that error falls with the timestep."),
+)
+
+_INSTANTS = (
+    *_HEAD[:4],
+    Column(
+        "time_s",
+        "At which phi is differentiated.",
+        lambda each: instants_of([each])[each.quantity],
+    ),
+    Column("growth", "Exact derivative of phi by a relative change of the key, rad."),
+    Column("best_step", "Relative step with the least error.", lambda d: d.best and d.best[0]),
+    Column("relative_error", _ERROR, lambda d: d.best and d.best[1]),
+    Column(
+        "settled_error", "Of the difference that settles.", lambda d: d.settled and d.settled[1]
+    ),
+    Column("right_to", "Longest step that is right to 1 %.", lambda d: d.usable and d.usable[1]),
+    Column("verdict", "Right, near, wrong, or of the wrong sign, and with which steps."),
 )
 
 _EACH = (
