@@ -16,6 +16,7 @@ import tomllib
 from pathlib import Path
 from typing import Annotated
 
+import pandas as pd
 import typer
 from PIL import Image
 from pydantic import BaseModel, ConfigDict, TypeAdapter
@@ -27,6 +28,8 @@ ROOT = Path(__file__).parents[1]
 KEPT = ROOT / "reports" / "baseline"
 PRINTED = "printed.json"
 """Name of what a command printed."""
+ROWS = "rows.csv"
+"""Name of the rows of a sweep, which it keeps in parts."""
 
 
 class Measured(BaseModel):
@@ -97,6 +100,9 @@ def measure(name: str, what: Measured) -> None:
         for file in what.files:
             if file == PRINTED:
                 write_atomically(place / PRINTED, run.stdout)
+            elif file == ROWS:
+                parts = [pd.read_parquet(part) for part in sorted((out / "parts").iterdir())]
+                write_atomically(place / ROWS, pd.concat(parts).to_csv(index=False).encode())
             else:
                 keep(out / file, place / Path(file).name)
     made = {"command": what.command, **provenance().to_dict()}

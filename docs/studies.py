@@ -88,18 +88,142 @@ def gradients() -> dict[str, str]:
         head = [f"{name}, {steps}" for name in ENGINES.values() for steps in _STEPS.values()]
         facts[f"{short}_table"] = markdown(("turn by", "exact", *head), rows)
         facts[f"{short}_timestep"] = f"{turn['timestep_s'].min():g}"
-        own = _of_turn(csv(f"{folder}-own.csv")).pivot_table(
-            index="key", columns="engine_step", values="relative_error", sort=False
-        )
-        steps = sorted(own.columns, reverse=True)
-        facts[f"{short}_own"] = markdown(
-            ("turn by", *(f"{step:.0e}" for step in steps)),
-            [(f"`{key}`", *(_share(row[step]) for step in steps)) for key, row in own.iterrows()],
-        )
+        facts[f"{short}_own"] = _own(csv(f"{folder}-own.csv"))
+        facts[f"{short}_causes"] = _causes(csv(f"{folder}-gradients.csv"))
         adaptive = turn[turn["profile"] == "adaptive"]
         right = adaptive["right_from"].notna().groupby(adaptive["key"]).all()
         facts[f"{short}_right"] = f"{right.sum()} of {len(right)}"
+    facts["settings"] = _settings(csv("gradients-gentle/gentle-rock-settings.csv"))
+    facts["autodiff"] = _autodiff(csv("gradients-autodiff/gentle-rock-own.csv"))
+    facts["chaos"] = _chaos(csv("gradients-chaos/chaotic-can-instants.csv"))
     return facts
+
+
+def derivatives() -> dict[str, str]:
+    """Return how large derivatives are beside a separatrix."""
+    rows = csv("separatrix/rows.csv")
+    columns = ("period_s", "d_period_s/d_release.psi_dot", "d_angle_of_turn_deg/d_release.psi_dot")
+    table = [
+        (f"{row['release_psi_dot_rad_s']:.0e}", *(f"{row[column]:.4g}" for column in columns))
+        for _, row in rows.iterrows()
+    ]
+    head = ("`release.psi_dot`, rad/s", "period, s", "of the period", "of the turn")
+    return {"separatrix": markdown(head, table, words=0)}
+
+
+_QUANTITIES = {
+    "angle_of_turn_deg": "turn",
+    "period_s": "period",
+    "phi_min_rad": "smallest phi",
+    "peak_psi_dot_rad_s": "peak rate",
+}
+"""Quantities that an engine's own derivatives know, by their columns."""
+
+
+def _own(table: pd.DataFrame) -> str:
+    """Return the errors of MuJoCo's own derivatives at its finest timestep, by their step."""
+    finest = table[table["timestep_s"] == table["timestep_s"].min()]
+    judged = finest[finest["quantity"].isin(_QUANTITIES)]
+    wide = judged.assign(step=judged["engine_step"].astype(float)).pivot_table(
+        index=["quantity", "key"], columns="step", values="relative_error", sort=False
+    )
+    steps = sorted(wide.columns, reverse=True)
+    rows = [
+        (_QUANTITIES[quantity], f"`{key}`", *(_share(row[step]) for step in steps))
+        for (quantity, key), row in wide.iterrows()
+    ]
+    return markdown(("", "by", *(f"{step:.0e}" for step in steps)), rows, words=2)
+
+
+def _autodiff(table: pd.DataFrame) -> str:
+    """Return the errors of derivatives of MJX's program beside MuJoCo's best differences."""
+    finest = table[table["timestep_s"] == table["timestep_s"].min()]
+    judged = finest[finest["relative_error"].notna()]
+    program = judged[judged["engine"] == "mjx"].set_index(["quantity", "key"])
+    best = judged[judged["engine"] == "mujoco"].groupby(["quantity", "key"])["relative_error"].min()
+    rows = [
+        (
+            _QUANTITIES[quantity],
+            f"`{key}`",
+            f"{row['exact']:.4g}",
+            f"{row['value']:.4g}",
+            _share(row["relative_error"]),
+            _share(best[quantity, key]),
+        )
+        for (quantity, key), row in program.iterrows()
+    ]
+    head = ("", "by", "exact", "MJX's program", "error", "MuJoCo, best step")
+    return markdown(head, rows, words=2)
+
+
+def _causes(table: pd.DataFrame) -> str:
+    """Return what goes wrong at short and at long steps, how often, by engine and steps."""
+    engines = table[table["engine"].isin(ENGINES)]
+    rows = []
+    for (engine, profile), own in engines.groupby(["engine", "profile"], sort=False):
+        for end in ("short", "long"):
+            named = own[own[f"{end}_cause"].notna()]
+            for cause, of in named.groupby(f"{end}_cause"):
+                first, last = of[f"{end}_from"].min(), of[f"{end}_from"].max()
+                rows.append(
+                    (
+                        f"{ENGINES[engine]}, {_STEPS[profile]}",
+                        f"{cause}, {end} steps",
+                        f"{len(of)} of {len(own)}",
+                        f"{first:.0e} to {last:.0e}",
+                    )
+                )
+    return markdown(("engine", "what takes over", "derivatives", "from steps of"), rows, words=2)
+
+
+def _settings(table: pd.DataFrame) -> str:
+    """Return the settings that move the turn or the period most."""
+    rows = []
+    for engine in ENGINES:
+        own = table[table["engine"] == engine]
+        wide = own.pivot_table(index="setting", columns="quantity", values="per_percent")
+        size = wide["angle_of_turn_deg"].abs().sort_values(ascending=False)
+        rows += [
+            (ENGINES[engine], f"`{setting}`", *(f"{wide.loc[setting, q]:.1e}" for q in _MOVED))
+            for setting in size.index[:4]
+        ]
+    return markdown(("engine", "setting", "turn, degrees", "period, s"), rows, words=2)
+
+
+_MOVED = ("angle_of_turn_deg", "period_s")
+
+
+def _chaos(table: pd.DataFrame) -> str:
+    """Return the exact growth along the chaotic motion, and what MuJoCo says of it."""
+    of = table[table["key"] == "release.phi"]
+    fixed, adaptive, truth = (
+        of[(of["engine"] == engine) & (of["profile"] == profile)]
+        for engine, profile in (
+            ("mujoco", "matched"),
+            ("mujoco", "adaptive"),
+            ("reference", "matched"),
+        )
+    )
+    finest = fixed[fixed["timestep_s"] == fixed["timestep_s"].min()].set_index("time_s")
+    moving = adaptive.set_index("time_s")
+    rows = [
+        (
+            f"{row['time_s']:g}",
+            f"{row['growth']:.3g}",
+            f"{row['right_to']:.0e}",
+            _share(finest.loc[row["time_s"], "settled_error"]),
+            _share(moving.loc[row["time_s"], "settled_error"]),
+        )
+        for _, row in truth.iterrows()
+    ]
+    head = (
+        "time, s",
+        "growth, rad",
+        "longest right step",
+        "MuJoCo, fixed step",
+        "MuJoCo, adaptive",
+    )
+    return markdown(head, rows, words=0)
 
 
 _STEPS = {"matched": "fixed step", "adaptive": "steps that follow the motion"}

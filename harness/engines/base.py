@@ -291,6 +291,8 @@ class EngineFeatures:
         Returns the motion of a case with its derivatives, as the engine differentiates itself: of a
         case, changes of the release (12, k), `seconds` of the run, and the `step` of differences
         that the engine takes, which one that differentiates its program has no use for.
+    linearise_variants : tuple of Variant
+        Settings with which its derivatives are asked for too: those of the profile may have none.
     export_settings : callable or None
         Returns a case in the engine's own language.
     counted_step : callable or None
@@ -315,6 +317,7 @@ class EngineFeatures:
     variants: tuple[Variant, ...] | None = None
     tolerances: tuple[Variant, ...] = ()
     linearise: Callable[..., LinearisedMotion] | None = None
+    linearise_variants: tuple[Variant, ...] = ()
     export_settings: Callable[[Case], str] | None = None
     counted_step: Callable[[World], int] | None = None
     simulate_many: Callable[[Sequence[Case]], Sequence[Simulation]] | None = None

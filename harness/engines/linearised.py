@@ -22,10 +22,17 @@ class LinearisedMotion:
         n samples.
     changes : ndarray, shape (n, 12, k)
         Of the state at each sample, by each of k changes of the release.
+    by_differences : bool
+        Whether the engine differentiates a step by differences, whose step then matters, or its
+        program, exactly.
+    why : str
+        Why the changes are not numbers, in a sentence; empty where they are.
     """
 
     trajectory: Trajectory
     changes: Floats
+    by_differences: bool = True
+    why: str = ""
 
     def displaced(self, column: int, size: float) -> Trajectory:
         """Return the motion of a release that is changed by so much of one of the changes."""

@@ -4,6 +4,8 @@ Measured on a usual machine, with the suites; the cost of a step is declared by 
 estimate of a run corrects all of it by what the run finds.
 """
 
+from functools import lru_cache
+
 from harness.core.case import Case
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import truth
@@ -53,6 +55,7 @@ def expected_timing(case: Case) -> float:
     return max(FEWEST * expected_seconds(case), PATIENCE)
 
 
+@lru_cache(maxsize=4096)
 def simulated_seconds(scene: Scene) -> float:
     """Return how long a run simulates, s: to its horizon, or through its exact bounces."""
     if scene.horizon.seconds is not None:

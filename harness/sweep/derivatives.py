@@ -54,6 +54,24 @@ DERIVATIVES: Mapping[str, Quantity] = MappingProxyType(
 """Every derivative that a sweep may have, by name."""
 
 
+_SEPARATRIX = (
+    "Derivatives are of the exact motion; beside a separatrix, where the can all but stops, those "
+    "of the period grow like one over the distance to it, and show a rounding of the release."
+)
+
+_AT_REST = (
+    "Where the release is at rest, derivatives by its rate of phi are those towards larger values."
+)
+
+
+def caveats(names: Sequence[str]) -> tuple[str, ...]:
+    """Return what is to be known of the derivatives among the columns of a sweep, in sentences."""
+    keys = {parts_of(name)[1] for name in names if name in DERIVATIVES}
+    if not keys:
+        return ()
+    return (_SEPARATRIX, _AT_REST) if "release.phi_dot" in keys else (_SEPARATRIX,)
+
+
 def source_of(name: str) -> Literal["exact", "run"]:
     """Return whether a derivative is known of many releases at once, or of each scene by itself."""
     _, key = parts_of(name)

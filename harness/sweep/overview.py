@@ -23,6 +23,7 @@ from harness.core.report_model import (
     Table,
     table_of,
 )
+from harness.sweep.derivatives import caveats
 from harness.sweep.drawing import MOST_PANELS, drawing_of, is_wide
 from harness.sweep.plan import SweepPlan
 from harness.sweep.reduction import Extent, Reduction, merged, reduction_of
@@ -218,4 +219,5 @@ def _summary(sweep: Overview) -> str:
     for name, extent in list(sweep.extents.items())[:1]:
         label = QUANTITIES[name].axis
         sentences.append(f"The {label} lies between {extent.low:.6g} and {extent.high:.6g}.")
+    sentences += caveats(plan.quantities)
     return " ".join(sentences)

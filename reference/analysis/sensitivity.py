@@ -110,7 +110,8 @@ def _separatrix(path: ExactPath) -> tuple[str, ...]:
         return ()
     sentence = (
         f"The bounce is beside a separatrix: phi_max is {distance:.1e} of itself from a nutation "
-        "at which the can would wait for ever. Period and turn grow like the logarithm of that "
-        "distance, and their derivatives like one over it."
+        "at which the can would wait for ever. The period grows like the logarithm of that "
+        "distance, and its derivatives like one over it; so does the turn, if the can precesses "
+        "while it waits."
     )
     return (sentence,)

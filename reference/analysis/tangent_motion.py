@@ -246,7 +246,7 @@ def motion_tangents(problem: Problem) -> tuple[tuple[str, ...], dict[str, Jet], 
     if not solution.bounces or not isinstance(path, SegmentsPath):
         reason = f"{NO_BOUNCE}: {solution.outcome.value.rstrip('.')}"
         return by, {}, dict.fromkeys(QUANTITIES, reason)
-    motion = _tangent_motion(problem, path, by)
+    motion = tangent_motion(problem, path, by)
     jets: dict[str, Jet] = {}
     why: dict[str, str] = {}
     t0, t1 = float(solution.maxima[0]), float(solution.maxima[1])
@@ -278,7 +278,7 @@ def motion_tangents(problem: Problem) -> tuple[tuple[str, ...], dict[str, Jet], 
     return by, jets, why
 
 
-def _tangent_motion(problem: Problem, path: SegmentsPath, by: tuple[str, ...]) -> TangentMotion:
+def tangent_motion(problem: Problem, path: SegmentsPath, by: tuple[str, ...]) -> TangentMotion:
     equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
     varied = tuple(stepped(problem, name) for name in by[by.index("a") :])
     fixed = len(by) - len(varied)

@@ -95,11 +95,14 @@ class ArrayWorld(CompiledScene):
         spin = to_body(pose.quaternion, twist.angular_velocity)
         self._hold(np.concatenate((pose.position, pose.quaternion, twist.velocity, spin)))
 
+    def pushes(self, times: Floats) -> Floats | None:
+        """Return the forces on the centre of mass from these times (n,) on, N; None without any."""
+        applied = self.forces(times)
+        return None if applied is None else applied.reshape(len(times), -1, 6)[:, self._body, :3]
+
     def roll(self, times: Floats) -> tuple[Floats, Floats]:
         """Step from each of these times (n,); return the states before (n, 13), sensors (n, 8)."""
-        applied = self.forces(times)
-        forces = None if applied is None else applied.reshape(len(times), -1, 6)[:, self._body, :3]
-        rows = self.advance(self._given, forces, len(times))
+        rows = self.advance(self._given, self.pushes(times), len(times))
         _normalise(rows)
         self._state, self._sensors = rows[-1, :13], rows[-2:-1, 13:]
         self._time, self._given = float(times[-1]) + self.timestep, None
@@ -113,6 +116,11 @@ class ArrayWorld(CompiledScene):
     def state(self) -> tuple[Floats, Floats]:
         """Quaternion, scalar first, and angular velocity in world coordinates; may be NaN."""
         return self._state[3:7], to_world(self._state[3:7], self._state[10:])
+
+    @property
+    def spin(self) -> Floats:
+        """Angular velocity in the body's frame, rad/s, shape (3,)."""
+        return self._state[10:]
 
     def pose(self) -> Pose:
         """Return where the can is."""

@@ -37,7 +37,7 @@ def linearised(
     states, found = np.empty((count, 13)), np.empty((count, _NUMBERS, changes.shape[1]))
     matrix = np.empty((_NUMBERS, _NUMBERS))
     world.place(pose, twist)
-    own = _to_mujoco(pose.quaternion, world.data.qvel[3:], changes)
+    own = changes_to_mujoco(pose.quaternion, world.data.qvel[3:], changes)
     for number in range(count):
         data = world.data
         states[number, :7], states[number, 7:] = data.qpos, data.qvel
@@ -47,11 +47,11 @@ def linearised(
         world.step()
     times = np.arange(count) * np.float64(world.timestep)
     return LinearisedMotion(
-        trajectory=_trajectory(times, states), changes=_to_common(states, found)
+        trajectory=free_motion(times, states), changes=changes_to_world(states, found)
     )
 
 
-def _to_mujoco(quaternion: Floats, spin: Floats, changes: Floats) -> Floats:
+def changes_to_mujoco(quaternion: Floats, spin: Floats, changes: Floats) -> Floats:
     """Return changes in MuJoCo's coordinates: rotation and angular velocity in the body's frame.
 
     Parameters
@@ -68,8 +68,8 @@ def _to_mujoco(quaternion: Floats, spin: Floats, changes: Floats) -> Floats:
     return np.hstack((place, inside, speed, turned_rate)).T
 
 
-def _to_common(states: Floats, changes: Floats) -> Floats:
-    """Return changes (n, 12, k) in world coordinates, the inverse of `_to_mujoco`."""
+def changes_to_world(states: Floats, changes: Floats) -> Floats:
+    """Return changes (n, 12, k) in world coordinates, the inverse of `changes_to_mujoco`."""
     place, turn, speed, rate = np.split(np.swapaxes(changes, 1, 2), 4, axis=2)
     quaternion, spin = states[:, None, 3:7], states[:, None, 10:13]
     quaternion = np.broadcast_to(quaternion, (*turn.shape[:2], 4))
@@ -78,7 +78,7 @@ def _to_common(states: Floats, changes: Floats) -> Floats:
     return np.swapaxes(common, 1, 2)
 
 
-def _trajectory(times: Floats, states: Floats) -> Trajectory:
+def free_motion(times: Floats, states: Floats) -> Trajectory:
     """Return the motion of states (n, 13), of which no contact is read."""
     nothing = np.full((len(times), 3), np.nan)
     return Trajectory(

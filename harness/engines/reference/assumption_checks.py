@@ -90,8 +90,14 @@ def divergence_of(scene: Scene) -> Divergence | None:
     )
 
 
-def check_exact(scene: Scene) -> None:
+def check_exact(scene: Scene, *, chaotic: bool = False) -> None:
     """Refuse a scene of which no run has an error: the reference does not carry it, or it is chaos.
+
+    Parameters
+    ----------
+    scene : Scene
+    chaotic : bool
+        Whether a chaotic scene is accepted.
 
     Raises
     ------
@@ -104,7 +110,7 @@ def check_exact(scene: Scene) -> None:
             "has no exact motion"
         )
         raise InvalidSettingError("SCENE", scene.name, allowed)
-    chaos = divergence_of(scene)
+    chaos = None if chaotic else divergence_of(scene)
     if chaos is not None and chaos.chaotic:
         allowed = (
             "a scene that is not chaotic: of another what differs in the end is no error, and "

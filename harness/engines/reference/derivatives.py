@@ -12,6 +12,7 @@ import numpy as np
 from harness.engines.reference.to_reference_problem import Releases, problem, refusal
 from harness.engines.world import Floats
 from models.scene import Scene
+from reference.analysis.nutation_tangents import nutation_tangents
 from reference.analysis.sensitivity import sensitivity
 from reference.integrable.derivatives import QUANTITIES, batch_tangents
 from reference.integrable.tangents import BY
@@ -90,6 +91,35 @@ def derivatives_of(scene: Scene) -> Derivatives:
         method=own.method if known else "none",
         caveats=own.caveats if known else (),
     )
+
+
+def nutation_derivatives(scene: Scene, times: Floats) -> list[dict[str, float | None]]:
+    """Return the derivatives of phi at fixed times by a scene's own numbers.
+
+    Parameters
+    ----------
+    scene : Scene
+        That the reference carries.
+    times : ndarray, shape (n,)
+        s, ascending.
+
+    Returns
+    -------
+    list of dict
+        For each time by key, in rad over the unit of the key; None after the motion has ended.
+    """
+    by_key, time = _dimensionless(scene, numbers := scene_numbers(scene))
+    by, rates, slopes = nutation_tangents(problem(scene), times / time.value)
+    own = slopes @ np.stack([by_key[each].slope for each in by])
+    # a fixed time in seconds is another one in units that change
+    own = own - np.outer(rates * times / time.value**2, time.slope)
+    return [
+        {
+            key: float(each) if np.isfinite(each) else None
+            for key, each in zip(numbers, row, strict=True)
+        }
+        for row in own
+    ]
 
 
 def many_derivatives(

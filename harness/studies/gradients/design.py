@@ -5,16 +5,18 @@ is released at rest in phi starts its first bounce there: a change of that rate 
 another bounce the first, and is not asked for.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 
-from harness.core.case import Case
+from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
-from harness.engines.ladder import at_rung, chooses_steps, rungs
-from harness.engines.reference.assumption_checks import check_exact
+from harness.engines.base import TIMESTEP
+from harness.engines.ladder import at_rung, chooses_steps, rungs, takes_timestep
+from harness.engines.reference.assumption_checks import check_exact, divergence_of, may_be_chaotic
 from harness.engines.reference.truth import exact_motion
 from harness.engines.registry import missing_effects
 from harness.engines.stepping.horizon import natural_time
+from harness.metrics.quantities import QUANTITIES as REGISTRY
 from harness.studies.cost.points import timesteps
 from harness.sweep.parameters import scene_at
 from models.scene import Scene
@@ -41,6 +43,37 @@ QUANTITIES = (
     "peak_friction_ratio",
 )
 """Quantities of the first bounce that are differentiated, by the keys of the registry."""
+
+
+_INSTANTS = 6
+"""Times along a motion at which phi is differentiated, evenly spaced up to its horizon."""
+
+_ENGINE_ERROR = 1e-5
+"""Error of an engine at the release, taken for granted: where it has grown to 0.1 rad, all ends."""
+
+
+def instants(scene: Scene) -> dict[str, float]:
+    """Return the times at which phi is differentiated too, s, by the names of the quantities.
+
+    They are of a scene that may be chaotic and runs for a time: its first bounce is like any other.
+    """
+    seconds = scene.horizon.seconds
+    if seconds is None or not may_be_chaotic(scene):
+        return {}
+    times = [float(f"{seconds * place / _INSTANTS:.4g}") for place in range(1, _INSTANTS + 1)]
+    return {f"phi_rad_at_{time:g}_s": time for time in times}
+
+
+def quantities_of(scene: Scene) -> tuple[str, ...]:
+    """Return what is differentiated of a scene: its first bounce, and phi at instants."""
+    return (*QUANTITIES, *instants(scene))
+
+
+def label_of(quantity: str) -> str:
+    """Return the name of a quantity in figures."""
+    if quantity in REGISTRY:
+        return REGISTRY[quantity].label
+    return f"phi at {quantity.removeprefix('phi_rad_at_').removesuffix('_s')} s"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,7 +103,10 @@ class GradientSuite:
 SUITES = {
     "quick": GradientSuite(
         name="quick",
-        keys=("release.phi", "release.psi_dot", "release.theta_dot", "can.h"),
+        keys=(
+            *("release.phi", "release.psi_dot", "release.theta_dot"),
+            *("can.a", "can.c", "can.h", "can.radius", "gravity"),
+        ),
         rungs="tuning",
         count=2,
         a_decade=1,
@@ -93,12 +129,15 @@ class GradientPlan:
     engines : tuple of str
     suite : GradientSuite
     keys : tuple of str
+    chaotic : bool
+        Whether disturbances of the motion grow exponentially.
     """
 
     scene: Scene
     engines: tuple[str, ...]
     suite: GradientSuite
     keys: tuple[str, ...]
+    chaotic: bool = False
 
     @property
     def steps(self) -> tuple[float, ...]:
@@ -124,6 +163,23 @@ class GradientPlan:
         if not chooses_steps(name):
             yield Case(scene=self.scene, engine=name, profile="adaptive")
 
+    @property
+    def settled_bases(self) -> tuple[Case, ...]:
+        """The case of each engine whose settings are changed: at its finest timestep."""
+        last = {
+            base.engine: base
+            for base in self.bases
+            if base.engine != "reference" and base.profile == "matched"
+        }
+        return tuple(last.values())
+
+    def settings_of(self, base: Case, settings: Mapping[str, object]) -> dict[str, float]:
+        """Return the numbers of a case's settings that are changed, by name, with the timestep."""
+        found = {}
+        if takes_timestep(base.engine) and base.timestep is not None:
+            found[TIMESTEP] = base.timestep
+        return found | setting_values(settings)
+
     def changed(self, base: Case, key: str, step: float) -> Case:
         """Return a case with one number changed by a step, relative and with its sign."""
         before = value_of(self.scene, key)
@@ -139,6 +195,55 @@ class GradientPlan:
                 for step in self.steps:
                     for sign in (1.0, -1.0):
                         yield self.changed(base, key, sign * step)
+
+
+SETTING_STEPS = (1e-2, 1e-3, 1e-4)
+"""Relative steps by which a setting of an engine is changed."""
+
+
+def setting_values(settings: Mapping[str, object]) -> dict[str, float]:
+    """Return the numbers among the settings in force that can be changed a little, by name.
+
+    An entry of a setting with several numbers is `name[0]`, `name[1]` and so on.
+    """
+    found: dict[str, float] = {}
+    for name, value in settings.items():
+        entries = (
+            {f"{name}[{place}]": each for place, each in enumerate(value)}
+            if isinstance(value, tuple)
+            else {name: value}
+        )
+        found |= {
+            key: each for key, each in entries.items() if isinstance(each, float) and each > 0.0
+        }
+    return found
+
+
+def with_setting(base: Case, settings: Mapping[str, object], key: str, factor: float) -> Case:
+    """Return a case with one number of its settings multiplied; the key `timestep` is the timestep.
+
+    Parameters
+    ----------
+    base : Case
+    settings : mapping
+        In force in the base.
+    key : str
+        Of `setting_values`, or "timestep".
+    factor : float
+    """
+    if key == TIMESTEP:
+        return replace(base, timestep=None if base.timestep is None else base.timestep * factor)
+    name, _, place = key.partition("[")
+    value = settings[name]
+    if isinstance(value, tuple):
+        number = int(place.rstrip("]"))
+        changed: Value = tuple(
+            each * factor if each_place == number else each for each_place, each in enumerate(value)
+        )
+    else:
+        changed = setting_values({name: value})[name] * factor
+    kept = tuple((own, given) for own, given in base.options if own != name)
+    return replace(base, options=(*kept, (name, changed)))
 
 
 def value_of(scene: Scene, key: str) -> float:
@@ -179,9 +284,18 @@ def plan_gradients(scene: Scene, engines: Sequence[str], suite: str) -> Gradient
     """
     if suite not in SUITES:
         raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
-    check_exact(scene)
+    check_exact(scene, chaotic=True)
     if not exact_motion(scene).bounces:
         raise InvalidSettingError("SCENE", scene.name, "a scene whose exact motion bounces")
+    chaos = divergence_of(scene)
+    if chaos is not None and chaos.chaotic and scene.horizon.seconds is not None:
+        # beyond it no engine has a derivative, and most cans have fallen over
+        until = min(scene.horizon.seconds, float(f"{chaos.decidable_until(_ENGINE_ERROR):.2g}"))
+        scene = replace(scene, horizon=replace(scene.horizon, seconds=until))
     able = tuple(name for name in engines if not missing_effects(name, scene))
     chosen = SUITES[suite]
-    return GradientPlan(scene=scene, engines=able, suite=chosen, keys=keys_of(scene, chosen.keys))
+    keys = keys_of(scene, chosen.keys)
+    chaotic = chaos is not None and chaos.chaotic
+    if chaotic and suite == "quick":  # each exact run takes seconds
+        keys = tuple(key for key in keys if key.startswith("release."))
+    return GradientPlan(scene=scene, engines=able, suite=chosen, keys=keys, chaotic=chaotic)

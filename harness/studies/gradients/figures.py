@@ -8,7 +8,8 @@ import numpy as np
 from harness.core.case import Case
 from harness.core.report_model import Figure, Panel, Series
 from harness.engines.ladder import rung_of, spelled
-from harness.metrics import quantities
+from harness.studies.gradients.derivatives import OWN_STEPS, PROGRAM
+from harness.studies.gradients.design import instants, label_of
 from harness.studies.gradients.findings import Differences, OwnDerivative
 
 
@@ -40,14 +41,15 @@ _LEAST_ERROR = 1e-14
 
 def step_figures(scene: str, differences: Sequence[Differences]) -> Iterator[Figure]:
     """Yield for each quantity that is drawn its error against the step, a panel a key."""
-    for quantity in _DRAWN:
+    drawn = [*_DRAWN, *(q for q in dict.fromkeys(d.quantity for d in differences) if "_at_" in q)]
+    for quantity in drawn:
         own = [each for each in differences if each.quantity == quantity]
         keys = dict.fromkeys(each.key for each in own)
-        if not own:
+        if not any(each.exact for each in own):
             continue
-        label = quantities.QUANTITIES[quantity].label
+        label = label_of(quantity)
         yield Figure(
-            name=f"{scene}-steps-{quantity.replace('_', '-')}",
+            name=f"{scene}-steps-{quantity.replace('_', '-').replace('.', '-')}",
             title=f"{label}: error of a difference against its step",
             seen=(
                 "To the right a difference is too long and its error falls as the square of the "
@@ -85,28 +87,99 @@ def _step_series(own: Sequence[Differences]) -> Iterator[Series]:
         )
 
 
-def own_figures(scene: str, own: Sequence[OwnDerivative]) -> Iterator[Figure]:
-    """Yield the errors of the engines' own derivatives against their own step, if there are any."""
-    if not own:
+def instants_of(differences: Sequence[Differences]) -> dict[str, float]:
+    """Return the instants at which phi is differentiated, s, by quantity."""
+    return instants(differences[0].base.scene) if differences else {}
+
+
+def instant_figures(scene: str, differences: Sequence[Differences]) -> Iterator[Figure]:
+    """Yield how far along a motion differences are right, if phi is differentiated at instants.
+
+    Each engine is at its finest timestep; a panel is the exact growth, or the error of one step.
+    """
+    times = instants_of(differences)
+    if not times:
         return
-    finest = {each.base.engine: each.base for each in own}
-    panels = []
-    for quantity in dict.fromkeys(each.quantity for each in own):
-        series = []
-        for engine, base in finest.items():
-            mine = [e for e in own if e.base is base and e.quantity == quantity]
-            for key in dict.fromkeys(each.key for each in mine):
-                pairs = [(float(e.step), e.error) for e in mine if e.key == key]
-                x, y = np.array(pairs).T
-                label = f"{engine}, {key}"
-                series.append(
-                    Series(
-                        label=label, kind=engine, x=x, y=np.maximum(y, _LEAST_ERROR), mark="both"
-                    )
+    own = [each for each in at_finest(differences) if each.quantity in times]
+    keys = dict.fromkeys(each.key for each in own)
+    steps = list(own[0].values)[1::2]
+    panels = [
+        Panel(
+            title="exact derivative of phi",
+            x_label="time [s]",
+            y_label="rad per relative change",
+            series=tuple(
+                Series(
+                    label=f"exact, by {key}",
+                    kind="reference",
+                    x=np.array(list(times.values())),
+                    y=np.array(
+                        [
+                            abs(next(e for e in own if (e.key, e.quantity) == (key, q)).growth)
+                            for q in times
+                        ]
+                    ),
+                    mark="both",
                 )
+                for key in keys
+            ),
+            log_y=True,
+        )
+    ]
+    first = next(iter(keys))
+    for base in dict.fromkeys(each.base for each in own):
+        mine = [each for each in own if each.base == base and each.key == first]
+        series = []
+        for step in steps:
+            y = [math.nan if (e := each.errors[step]) is None else e for each in mine]
+            series.append(
+                Series(
+                    label=f"{case_name(base)}, step {step:.0e}",
+                    kind=base.engine,
+                    x=np.array([times[each.quantity] for each in mine]),
+                    y=np.maximum(np.array(y), _LEAST_ERROR),
+                    mark="both",
+                )
+            )
         panels.append(
             Panel(
-                title=quantities.QUANTITIES[quantity].label,
+                title=f"{case_name(base)}: by {first}",
+                x_label="time [s]",
+                y_label="relative error",
+                series=tuple(series),
+                log_y=True,
+            )
+        )
+    yield Figure(
+        name=f"{scene}-instants",
+        title="Derivatives of phi along a motion",
+        seen=(
+            "The exact derivative of phi at a time grows exponentially where the motion is chaos. "
+            "A difference leaves the linear range once its step times the derivative is a share of "
+            "phi itself; an engine's own error grows like the derivative does."
+        ),
+        panels=tuple(panels),
+        scene=scene,
+    )
+
+
+def own_figures(scene: str, own: Sequence[OwnDerivative]) -> Iterator[Figure]:
+    """Yield the errors of the engines' own derivatives against their own step, if there are any."""
+    judged = [each for each in own if each.error is not None]
+    if not judged:
+        return
+    finest = {each.base.engine: each.base for each in judged}
+    panels = []
+    for quantity in dict.fromkeys(each.quantity for each in judged):
+        series = []
+        for engine, base in finest.items():
+            mine = [e for e in judged if e.base is base and e.quantity == quantity]
+            for key, settings in dict.fromkeys((each.key, each.settings) for each in mine):
+                of_key = [e for e in mine if (e.key, e.settings) == (key, settings)]
+                series.append(_own_series(f"{engine}, {key}", of_key))
+        panels.append(
+            Panel(
+                title=label_of(quantity),
                 x_label="step of the engine's own differences",
                 y_label="relative error",
                 series=tuple(series),
@@ -120,8 +193,27 @@ def own_figures(scene: str, own: Sequence[OwnDerivative]) -> Iterator[Figure]:
         seen=(
             "The engine differentiates each of its steps and the products are chained over the "
             "bounce. Its differences must be short beside the depth to which the contact gives "
-            "way, or they leave the contact that they differentiate."
+            "way, or they leave the contact that they differentiate. An engine that differentiates "
+            "its program takes no differences: its error is a level, dashed line."
         ),
         panels=tuple(panels),
         scene=scene,
+    )
+
+
+def _own_series(label: str, own: Sequence[OwnDerivative]) -> Series:
+    """Return the errors of one derivative over the steps of differences, or the level without."""
+    errors = np.array([max(each.error or 0.0, _LEAST_ERROR) for each in own])
+    program = own[0].step == PROGRAM
+    if program:
+        x, y = np.array([min(OWN_STEPS), max(OWN_STEPS)]), np.repeat(errors[:1], 2)
+    else:
+        x, y = np.array([float(each.step) for each in own]), errors
+    return Series(
+        label=label,
+        kind=own[0].base.engine,
+        x=x,
+        y=y,
+        mark="line" if program else "both",
+        dashed=program,
     )

@@ -6,8 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
+import numpy as np
+
 from harness.core.case import Case
 from harness.core.verdict import Status, Verdict
+from harness.studies.gradients.causes import Cause, long_cause, longest_run, short_cause
 from harness.studies.gradients.design import unit_of
 from harness.studies.gradients.fit import ErrorOfSteps, fit_errors
 
@@ -16,9 +19,6 @@ RIGHT, NEAR = 0.01, 0.1
 
 _INSENSITIVE = 1e-3
 """Share of quantity over key: a smaller derivative is compared with this, not with itself."""
-
-_ROUND_OFF = 1e-12
-"""Relative noise of a quantity up to which it is round-off, and not the engine's own roughness."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -30,20 +30,26 @@ class Differences:
     base : Case
         That is changed.
     key, quantity : str
-    exact : float
-        The exact derivative, per unit of the key.
+    exact : float or None
+        The exact derivative, per unit of the key; None where there is none.
     size : float
         Magnitude of the quantity itself.
+    why : str
+        Why there is no exact derivative.
     values : mapping of float to float or None
         Difference over its step, per unit of the key, by relative step from long to short.
+    chaotic : bool
+        Whether disturbances of the motion grow exponentially.
     """
 
     base: Case
     key: str
     quantity: str
-    exact: float
+    exact: float | None
     size: float
     values: Mapping[float, float | None]
+    why: str = ""
+    chaotic: bool = False
 
     @property
     def unit(self) -> float:
@@ -51,15 +57,32 @@ class Differences:
         return unit_of(self.base.scene, self.key)
 
     @property
-    def scale(self) -> float:
+    def growth(self) -> float:
+        """The exact derivative over a relative change of the key, in the unit of the quantity."""
+        return math.nan if self.exact is None else self.exact * self.unit
+
+    @property
+    def insensitive(self) -> bool:
+        """Whether the exact derivative is next to nothing beside quantity over key."""
+        return self.exact is not None and abs(self.exact) < self._least
+
+    @property
+    def _least(self) -> float:
+        return _INSENSITIVE * self.size / self.unit
+
+    @property
+    def scale(self) -> float | None:
         """What errors are relative to: the derivative, or of one next to nothing a share of Q/x."""
-        return max(abs(self.exact), _INSENSITIVE * self.size / self.unit)
+        return None if self.exact is None else max(abs(self.exact), self._least)
 
     @cached_property
     def errors(self) -> dict[float, float | None]:
-        """Relative errors by step."""
+        """Relative errors by step; None where they are not known."""
+        exact, scale = self.exact, self.scale
+        if exact is None or not scale:
+            return dict.fromkeys(self.values)
         return {
-            step: None if value is None else abs(value - self.exact) / self.scale
+            step: None if value is None else abs(value - exact) / scale
             for step, value in self.values.items()
         }
 
@@ -75,12 +98,10 @@ class Differences:
 
         Two neighbours make a run: an error that crosses zero is small at one step by chance.
         """
-        best: list[float] = []
-        run: list[float] = []
-        for step, error in self.errors.items():
-            run = [*run, step] if error is not None and error <= RIGHT else []
-            best = max(best, run, key=len)
-        return (min(best), max(best)) if len(best) > 1 else None
+        steps = list(self.errors)
+        right = [error is not None and error <= RIGHT for error in self.errors.values()]
+        run = longest_run(np.array(right, dtype=np.bool_))
+        return None if run is None else (steps[run[1]], steps[run[0]])
 
     @cached_property
     def parts(self) -> ErrorOfSteps | None:
@@ -120,17 +141,46 @@ class Differences:
     @property
     def noise(self) -> float | None:
         """Noise of the quantity that the differences see, relative to the quantity."""
-        if self.parts is None or self.size == 0.0:
+        if self.parts is None or self.size == 0.0 or self.scale is None:
             return None
         return 2.0 * self.parts.noise * self.scale * self.unit / self.size
 
-    @property
-    def cause(self) -> str:
-        """What takes over at short steps; empty if nothing does."""
-        noise = self.noise
-        if noise is None or self.noise_below is None:
-            return ""
-        return "round-off" if noise <= _ROUND_OFF else "roughness of the motion"
+    @cached_property
+    def short(self) -> Cause | None:
+        """What is wrong with steps below those that are right; None if nothing is."""
+        if self.exact is None or not self.scale:
+            return None
+        return short_cause(
+            tuple(self.values),
+            tuple(self.values.values()),
+            exact=self.exact,
+            scale=self.scale,
+            right=RIGHT,
+            unit=self.unit,
+            size=self.size,
+        )
+
+    @cached_property
+    def long(self) -> Cause | None:
+        """What is wrong with steps above those that are right; None if nothing is."""
+        if self.exact is None or not self.scale:
+            return None
+        return long_cause(
+            tuple(self.values),
+            tuple(self.values.values()),
+            exact=self.exact,
+            scale=self.scale,
+            right=RIGHT,
+            chaotic=self.chaotic,
+        )
+
+    def amount(self, error: float) -> str:
+        """Return a relative error in words: of the derivative, or of quantity over key."""
+        if self.insensitive:
+            return (
+                f"{percent(error * _INSENSITIVE)} of quantity over key, the exact being next to 0"
+            )
+        return percent(error)
 
     @property
     def verdict(self) -> Verdict:
@@ -139,6 +189,8 @@ class Differences:
         Where no run of steps is right it is judged at the step that settles, since nobody who
         differentiates an engine knows which step happens to be best.
         """
+        if self.exact is None:
+            return Verdict(Status.NOT_JUDGED, f"not judged: {self.why}")
         usable, chosen = self.usable, self.settled or self.best
         if usable is not None:
             inside = [
@@ -146,15 +198,23 @@ class Differences:
                 for step, error in self.errors.items()
                 if error is not None and usable[0] <= step <= usable[1]
             ]
-            steps = f"with steps from {usable[0]:.0e} to {usable[1]:.0e}"
-            return Verdict(Status.AGREES, f"right to {percent(max(inside))} {steps}")
+            words = f"right to {self.amount(max(inside))} with steps from {usable[0]:.0e} to "
+            words += f"{usable[1]:.0e}{self._beyond}"
+            return Verdict(Status.AGREES, words)
         if chosen is None:
             return Verdict(Status.FAILED, "no bounce, so no derivative")
         step, error = chosen
         value = self.values[step]
         wrong = value is not None and value * self.exact < 0.0 and error > NEAR
-        return Verdict(
-            Status.DEVIATES, f"{_off(error, wrong_sign=wrong)} where it settles, at {step:.0e}"
+        words = _off(error, self.amount(error), wrong_sign=wrong)
+        return Verdict(Status.DEVIATES, f"{words} where it settles, at {step:.0e}{self._beyond}")
+
+    @property
+    def _beyond(self) -> str:
+        """What takes over at shorter and at longer steps, in words, with the steps."""
+        ends = (("down", self.short), ("up", self.long))
+        return "".join(
+            f"; {each.takeover.word} from {each.step:.0e} {way}" for way, each in ends if each
         )
 
 
@@ -162,12 +222,12 @@ def judge(error: float, *, wrong_sign: bool) -> Verdict:
     """Return the verdict on a relative error of a derivative."""
     if error <= RIGHT and not wrong_sign:
         return Verdict(Status.AGREES, f"right to {percent(error)}")
-    return Verdict(Status.DEVIATES, _off(error, wrong_sign=wrong_sign))
+    return Verdict(Status.DEVIATES, _off(error, percent(error), wrong_sign=wrong_sign))
 
 
-def _off(error: float, *, wrong_sign: bool) -> str:
+def _off(error: float, amount: str, *, wrong_sign: bool) -> str:
     kind = "near" if error <= NEAR else "wrong"
-    return f"{'wrong sign' if wrong_sign else kind}, off by {percent(error)}"
+    return f"{'wrong sign' if wrong_sign else kind}, off by {amount}"
 
 
 def percent(error: float) -> str:
@@ -184,27 +244,40 @@ class OwnDerivative:
     Parameters
     ----------
     base : Case
+    settings : str
+        That the engine needs on top of the case; empty without any.
     key, quantity : str
     step : str
-        Of the engine's own differences, in its own units.
-    value, exact, scale : float
+        Of the engine's own differences, in its own units; "program" of one that takes none.
+    value : float or None
         Per unit of the key.
+    exact, scale : float or None
+        Likewise; None where there is no exact derivative.
+    why : str
+        Why the engine or the reference has no number.
     """
 
     base: Case
+    settings: str
     key: str
     quantity: str
     step: str
-    value: float
-    exact: float
-    scale: float
+    value: float | None
+    exact: float | None
+    scale: float | None
+    why: str
 
     @property
-    def error(self) -> float:
-        """Relative error."""
+    def error(self) -> float | None:
+        """Relative error; None where it is not judged."""
+        if self.value is None or self.exact is None or self.scale is None:
+            return None
         return abs(self.value - self.exact) / self.scale
 
     @property
     def verdict(self) -> Verdict:
-        """Whether it is right."""
-        return judge(self.error, wrong_sign=self.value * self.exact < 0.0 and self.error > NEAR)
+        """Whether it is right, or why it is not judged."""
+        error = self.error
+        if error is None or self.value is None or self.exact is None:
+            return Verdict(Status.NOT_JUDGED, f"not judged: {self.why}")
+        return judge(error, wrong_sign=self.value * self.exact < 0.0 and error > NEAR)

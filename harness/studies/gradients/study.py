@@ -9,16 +9,25 @@ from harness.core.report_model import Artefact, Column, Prose
 from harness.engines.ladder import rung_of, spelled
 from harness.evaluation.evaluation import Record
 from harness.metrics.convergence import observed_order
-from harness.studies.gradients.derivatives import CHANGING, EXACT, OWN, exact_numbers
-from harness.studies.gradients.design import QUANTITIES, GradientPlan, unit_of
+from harness.studies.gradients.derivatives import CHANGING, EXACT, OWN, PROGRAM, exact_numbers
+from harness.studies.gradients.design import (
+    SETTING_STEPS,
+    GradientPlan,
+    quantities_of,
+    unit_of,
+    with_setting,
+)
 from harness.studies.gradients.figures import (
     at_finest,
     case_name,
+    instant_figures,
+    instants_of,
     own_figures,
     steady,
     step_figures,
 )
 from harness.studies.gradients.findings import RIGHT, Differences, OwnDerivative, percent
+from harness.studies.gradients.settings import SETTINGS_COLUMNS, setting_changes
 from harness.studies.shared.run_columns import scene_table
 from harness.studies.study import Job, Results
 
@@ -46,12 +55,26 @@ class GradientsStudy:
         """The bases whose engines may differentiate themselves: those of one timestep."""
         return [base for base in self.plan.bases if base.engine != "reference" and steady(base)]
 
-    def next_jobs(self, _: Results) -> list[Job[Case, Record]]:
-        """Return every changed case, the exact derivatives, and those of engines."""
+    def next_jobs(self, done: Results) -> list[Job[Case, Record]]:
+        """Return every changed case, the exact derivatives, and those of engines.
+
+        Which settings are in force is known of runs: those with changed settings come second.
+        """
+        plan, runs = self.plan, done.of(CHANGING)
         return [
             Job(EXACT, self._truth),
-            *(Job(CHANGING, case) for case in self.plan.cases()),
+            *(Job(CHANGING, base) for base in plan.settled_bases),
+            *(Job(CHANGING, case) for case in plan.cases()),
             *(Job(OWN, base) for base in self._stepping),
+            *(
+                Job(CHANGING, with_setting(base, settings, name, 1.0 + sign * step))
+                for base in plan.settled_bases
+                if base in runs
+                for settings in (runs[base]["settings"],)
+                for name in plan.settings_of(base, settings)
+                for step in SETTING_STEPS
+                for sign in (1.0, -1.0)
+            ),
         ]
 
     def differences(self, done: Results) -> list[Differences]:
@@ -68,11 +91,8 @@ class GradientsStudy:
                     ]
                     for step in plan.steps
                 }
-                for quantity in QUANTITIES:
-                    slope, value = exact.get(quantity, {}).get(key), size[quantity]
-                    if slope is None or value is None:
-                        continue
-                    unit = unit_of(plan.scene, key)
+                for quantity in quantities_of(plan.scene):
+                    value, unit = size[quantity], unit_of(plan.scene, key)
                     values = {
                         step: _over(up[quantity], down[quantity], 2.0 * step * unit)
                         for step, (up, down) in ends.items()
@@ -82,9 +102,11 @@ class GradientsStudy:
                             base=base,
                             key=key,
                             quantity=quantity,
-                            exact=slope,
-                            size=abs(value),
+                            exact=exact["slopes"].get(quantity, {}).get(key),
+                            size=math.nan if value is None else abs(value),
                             values=values,
+                            chaotic=plan.chaotic,
+                            why=exact["why"].get(quantity, f"no derivative by {key}"),
                         )
                     )
         return found
@@ -92,34 +114,51 @@ class GradientsStudy:
     def own(self, done: Results) -> list[OwnDerivative]:
         """Return the derivatives that engines have of their own."""
         known = {(d.base, d.key, d.quantity): d for d in self.differences(done)}
-        return [
-            OwnDerivative(
-                base=base,
-                key=key,
-                quantity=quantity,
-                step=step,
-                value=value,
-                exact=same.exact,
-                scale=same.scale,
-            )
-            for base, record in done.of(OWN).items()
-            for step, by_quantity in record.items()
-            for quantity, by_key in by_quantity.items()
-            for key, value in by_key.items()
-            if value is not None and (same := known.get((base, key, quantity))) is not None
-        ]
+        found = []
+        for base, record in done.of(OWN).items():
+            for entry in record["own"]:
+                for quantity in quantities_of(self.plan.scene):
+                    for key in (key for key in self.plan.keys if key.startswith("release.")):
+                        value = entry["values"].get(quantity, {}).get(key)
+                        same = known[base, key, quantity]
+                        unknown = entry["why"] or "the engine's own motion does not tell it"
+                        found.append(
+                            OwnDerivative(
+                                base=base,
+                                settings=entry["settings"],
+                                key=key,
+                                quantity=quantity,
+                                step=entry["step"],
+                                value=value,
+                                exact=same.exact,
+                                scale=same.scale,
+                                why=same.why if same.exact is None else unknown,
+                            )
+                        )
+        return found
 
     def report(self, done: Results) -> tuple[Artefact, ...]:
         """Return words, figures and tables."""
         scene = self.plan.scene.name
         differences, own = self.differences(done), self.own(done)
         ladders = tuple(_ladders(differences))
+        times = instants_of(differences)
+        along = [each for each in differences if each.quantity in times]
+        exact = exact_numbers(self.plan.scene)
+        settings = tuple(setting_changes(self.plan, done.of(CHANGING), exact))
         return (
             _summary(scene, differences, own),
             *step_figures(scene, differences),
+            *instant_figures(scene, differences),
             *own_figures(scene, own),
             scene_table(scene, "gradients", "Derivatives by differences", _GRADIENTS, differences),
             scene_table(scene, "own", "Derivatives of the engines' own", _OWN, own),
+            *(
+                [scene_table(scene, "instants", "Phi along the motion", _INSTANTS, along)]
+                if along
+                else []
+            ),
+            scene_table(scene, "settings", "Settings of engines", SETTINGS_COLUMNS, settings),
             scene_table(scene, "timesteps", "As the timestep is shortened", _LADDERS, ladders),
             scene_table(scene, "differences", "Each difference", _EACH, _each(differences)),
         )
@@ -182,19 +221,28 @@ def _summary(scene: str, differences: Sequence[Differences], own: Sequence[OwnDe
         mine = [each for each in differences if each.base == base]
         paragraphs.append(_sentences(base, mine))
         of_engine = [each for each in own if each.base == base]
-        for step in dict.fromkeys(each.step for each in of_engine):
-            errors = sorted(
-                (each.error, each.quantity, each.key) for each in of_engine if each.step == step
-            )
-            right = sum(error <= RIGHT for error, *_ in errors)
-            error, quantity, key = errors[-1]
-            paragraphs.append(
-                f"Its own derivatives, with differences of {step} in a step, are right in {right} "
-                f"of {len(errors)}; the worst is off by {percent(error)} ({quantity} by {key})."
-            )
+        paragraphs += _of_its_own(of_engine)
     text = "\n\n".join(paragraphs)
     title = "Are gradients through a contact engine right?"
     return Prose(name=f"{scene}-summary", title=title, text=text, scene=scene)
+
+
+def _of_its_own(own: Sequence[OwnDerivative]) -> Iterator[str]:
+    """Yield a sentence on the derivatives of an engine's own, by how it came to them."""
+    for settings, step in dict.fromkeys((each.settings, each.step) for each in own):
+        mine = [each for each in own if (each.settings, each.step) == (settings, step)]
+        way = "of its program" if step == PROGRAM else f"with differences of {step} in a step"
+        way += f", under {settings}" if settings else ""
+        errors = sorted((e.error, e.quantity, e.key) for e in mine if e.error is not None)
+        if not errors:
+            yield f"Its own derivatives, {way}, are not judged: {mine[0].why}."
+            continue
+        right = sum(error <= RIGHT for error, *_ in errors)
+        error, quantity, key = errors[-1]
+        yield (
+            f"Its own derivatives, {way}, are right in {right} of {len(errors)}; the worst is off "
+            f"by {percent(error)} ({quantity} by {key})."
+        )
 
 
 def _sentences(base: Case, mine: Sequence[Differences]) -> str:
@@ -264,14 +312,29 @@ _GRADIENTS = (
     Column("noise_below", "Step below which noise is the largest part."),
     Column("truncation_above", "Step above which truncation is."),
     Column("noise", "Noise of the quantity that the differences see, relative."),
-    Column("cause", "What takes over at short steps."),
+    Column(
+        "short_cause",
+        "What goes wrong at short steps.",
+        lambda d: d.short and d.short.takeover.word,
+    ),
+    Column("short_from", "Longest step of those.", lambda d: d.short and d.short.step),
+    Column(
+        "long_cause", "What goes wrong at long steps.", lambda d: d.long and d.long.takeover.word
+    ),
+    Column("long_from", "Shortest step of those.", lambda d: d.long and d.long.step),
+    Column(
+        "relative_to",
+        "What errors are relative to: quantity over key where the derivative is next to nothing.",
+        lambda d: "quantity over key / 1000" if d.insensitive else "exact derivative",
+    ),
     Column("fit_residual", "Root mean square of the log of error over fit.", "parts.residual"),
     Column("verdict", "Right, near, wrong, or of the wrong sign, and with which steps."),
 )
 
 _OWN = (
     *_HEAD,
-    Column("engine_step", "Of the engine's own differences, in its own units.", "step"),
+    Column("settings", "That the engine needs for its derivative, on top of the profile."),
+    Column("engine_step", "Of its own differences, in its units; or its program, exactly.", "step"),
     Column("value", "The derivative that the engine gives."),
     _EXACT,
     Column("relative_error", _ERROR, "error"),
@@ -284,6 +347,23 @@ _LADDERS = (
     _HEAD[4].of(lambda each: each.rungs[0].quantity),
     Column("errors", "Each timestep, with the error of the difference that settles.", "words"),
     Column("order", "Order with which that error falls with the timestep."),
+)
+
+_INSTANTS = (
+    *_HEAD[:4],
+    Column(
+        "time_s",
+        "At which phi is differentiated.",
+        lambda each: instants_of([each])[each.quantity],
+    ),
+    Column("growth", "Exact derivative of phi by a relative change of the key, rad."),
+    Column("best_step", "Relative step with the least error.", lambda d: d.best and d.best[0]),
+    Column("relative_error", _ERROR, lambda d: d.best and d.best[1]),
+    Column(
+        "settled_error", "Of the difference that settles.", lambda d: d.settled and d.settled[1]
+    ),
+    Column("right_to", "Longest step that is right to 1 %.", lambda d: d.usable and d.usable[1]),
+    Column("verdict", "Right, near, wrong, or of the wrong sign, and with which steps."),
 )
 
 _EACH = (

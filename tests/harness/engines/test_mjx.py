@@ -11,7 +11,9 @@ import pytest
 
 from harness.core.case import Case, Value
 from harness.core.errors import HarnessError, InvalidSettingError
+from harness.engines.base import features_of
 from harness.engines.description import Precision
+from harness.engines.linearised import change_between
 from harness.engines.probes.rim_contact import collision, turns
 from harness.engines.registry import engine, export_settings, not_installed, variants
 from harness.engines.stepping.settling import UP, lowered, moving
@@ -243,3 +245,34 @@ def test_compiling_is_told_apart_and_once(gentle: Scene) -> None:
     assert again.compile_s == 0.0
     # neither holds what compiles, beside which five steps are over in no time
     assert max(first.wall_s, again.wall_s) < 0.5 * first.compile_s
+
+
+def test_the_program_is_differentiated_where_the_cone_is_a_pyramid(gentle: Scene) -> None:
+    """Derivatives of a run by its release are those of differences of the run itself."""
+    own, seconds, size = stepping_engine("mjx"), 0.03, 1e-6
+    linearise = features_of(own).linearise
+    assert linearise is not None
+    start = released(gentle)
+    ends = []
+    for sign in (-1.0, 1.0):
+        release = replace(gentle.release, psi_dot=gentle.release.psi_dot + sign * size)
+        ends.append(replace(gentle, release=release))
+    change = change_between(start, released(ends[1]), size)[:, None]
+    case = case_of(gentle, 1e-3, cone="pyramidal")
+    run = linearise(case, change, seconds=seconds, step=1e-6)
+    assert not run.why
+    assert not run.by_differences
+    down, up = (
+        linearise(replace(case, scene=scene), change, seconds=seconds, step=1e-6).trajectory
+        for scene in ends
+    )
+    moved = (up.angular_velocity - down.angular_velocity) / (2.0 * size)
+    assert run.changes[:, 9:, 0] == pytest.approx(moved, rel=1e-4, abs=1e-5 * np.abs(moved).max())
+    turned = 2.0 * np.abs(np.sum(run.changes[:, 3:6, 0] ** 2, axis=1)) ** 0.5
+    apart = np.linalg.norm(up.quaternion - down.quaternion, axis=1) / (2.0 * size)
+    assert turned == pytest.approx(4.0 * apart, rel=1e-4, abs=1e-6)
+
+    # the elliptic cone of the profile `matched` has none, and says why
+    refused = linearise(case_of(gentle, 1e-3), change, seconds=0.003, step=1e-6)
+    assert "square root" in refused.why
+    assert np.isnan(refused.changes[1:]).any()

@@ -72,6 +72,23 @@ def test_a_curve_against_epsilon_and_a_sample(
     assert "angle_of_turn_deg" in capsys.readouterr().out
 
 
+def test_a_sweep_of_derivatives_tells_their_caveats(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ("sweep", "balance-1e-12", "--over", "release.psi_dot=log:1e-9:1e-3:3")
+    asked = ("--quantity", "d_period_s/d_release.psi_dot", "--jobs", "1")
+    assert code_of([*words, *asked, "--out", str(tmp_path / "a")]) == 0
+    assert "separatrix" in (tmp_path / "a" / "report" / "summary.md").read_text()
+    frame = pd.read_parquet(tmp_path / "a" / "parts")
+    # one over the distance, which the rate decides once it is more than 1e-12 away
+    slopes = frame["d_period_s/d_release.psi_dot"].to_numpy()
+    rates = frame["release_psi_dot_rad_s"].to_numpy()
+    assert slopes[1:] * rates[1:] == pytest.approx(-0.183, rel=0.01)
+    assert code_of([*words, "--quantity", "period_s", "--out", str(tmp_path / "b")]) == 0
+    assert "separatrix" not in (tmp_path / "b" / "report" / "summary.md").read_text()
+    capsys.readouterr()
+
+
 def test_wrong_use_is_one_message(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = ("--out", str(tmp_path / "out"))
     over = ("sweep", "gentle-rock", "--over", "can.h=1:2:3")

@@ -3,13 +3,15 @@
 from dataclasses import replace
 from importlib.metadata import version
 
-from harness.engines import Case, Precision, Value
+from harness.engines import Case, Floats, LinearisedMotion, Precision, Value, settle
 from harness.engines.mujoco import settings as of_mujoco
 from harness.engines.mujoco.array_stepping import RIM_DIRECTION, ArrayEngine
 from harness.engines.mujoco.engine import MujocoEngine
 from harness.engines.mujoco.mjx import DESCRIPTION
 from harness.engines.mujoco.mjx import settings as declared
+from harness.engines.mujoco.mjx.linearised import linearised
 from harness.engines.mujoco.mjx.world import MjxWorld
+from models.rim import released
 
 _SWITCH = """\
 <!-- Before `mjx.put_model(model)`:
@@ -32,6 +34,7 @@ class MjxEngine(ArrayEngine[MjxWorld]):
     solver_efforts = declared.SOLVER_EFFORTS
     variants = declared.VARIANTS
     colliders = declared.COLLIDERS
+    linearise_variants = (declared.DIFFERENTIABLE,)
     capabilities = replace(
         MujocoEngine.capabilities,
         imposes={**MujocoEngine.capabilities.imposes, "rim direction": RIM_DIRECTION},
@@ -62,6 +65,18 @@ class MjxEngine(ArrayEngine[MjxWorld]):
         """Step, and return the iterations of the solver."""
         world.step()
         return world.iterations
+
+    def linearise(
+        self, case: Case, changes: Floats, *, seconds: float, step: float
+    ) -> LinearisedMotion:
+        """Return a run and its derivatives by changes of the release, by `jax.jvp`."""
+        del step  # of differences, and a program is differentiated
+        pose, twist = released(case.scene)
+        world = self.open(case)
+        _, pose = settle(world, case.scene, pose, twist)
+        world.place(pose, twist)
+        cone = str(self.resolve(case)["cone"])
+        return linearised(world, changes, seconds=seconds, cone=cone)
 
     def export_settings(self, case: Case) -> str:
         """Return the settings of a case as MJCF, with the switch of JAX."""

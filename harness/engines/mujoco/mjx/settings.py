@@ -60,6 +60,9 @@ VARIANTS = (
     Variant.of("cone", "pyramidal", imposes="a friction cone that is a pyramid"),
 )
 
+DIFFERENTIABLE = Variant.of("cone", "pyramidal")
+"""What MJX differentiates: the elliptic cone's line search has a root of zero in it."""
+
 MODEL_DIFFERENCES = (
     ModelDifference(
         name="precision",

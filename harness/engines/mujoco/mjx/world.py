@@ -20,6 +20,7 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 from mujoco import mjx
+from numpy.typing import NDArray
 
 from harness.engines import Case, Collision, Floats, RefusedModelError, Value
 from harness.engines.mujoco.array_stepping import ArrayWorld
@@ -117,6 +118,34 @@ def _steps(  # noqa: PLR0917 - the first two are bound
     return done
 
 
+def _tangents(  # noqa: PLR0917 - the first two are bound
+    structure: jax.tree_util.PyTreeDef,
+    body: int,
+    arrays: list[jax.Array],
+    carried: Carried,
+    tangents: Carried,
+    forces: jax.Array | None,
+    steps: int,
+) -> tuple[Carried, jax.Array, Carried, jax.Array]:
+    """Take steps and differentiate them, forward; return what is carried, rows, and both's changes.
+
+    `tangents` are k changes of qpos, qvel and the warm start, shapes (k, 7), (k, 6) and (k, 6).
+    """
+    *state, iterations = carried
+
+    def taken(*state: jax.Array) -> tuple[Carried, jax.Array]:
+        (*after, _), rows = _steps(structure, body, arrays, (*state, iterations), forces, steps)
+        return tuple(after), rows
+
+    def along(tangent: Carried) -> tuple[tuple[Carried, jax.Array], tuple[Carried, jax.Array]]:
+        both: tuple[tuple[Carried, jax.Array], tuple[Carried, jax.Array]]
+        both = jax.jvp(taken, tuple(state), tangent)
+        return both
+
+    (after, rows), (changes, of_rows) = jax.vmap(along, out_axes=(None, 0))(tangents)
+    return (*after, iterations), rows, changes, of_rows
+
+
 def _near(
     structure: jax.tree_util.PyTreeDef, arrays: list[jax.Array], qpos: jax.Array
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
@@ -130,13 +159,17 @@ def _near(
 @lru_cache(maxsize=32)
 def _compiled(
     structure: jax.tree_util.PyTreeDef, body: int
-) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return the loop and the contacts for models of a structure, compiled when first called."""
+) -> tuple[Callable[..., Any], Callable[..., Any], Callable[..., Any]]:
+    """Return the loop, the contacts and the loop with its derivative, compiled when first called.
+
+    They are for models of one structure.
+    """
     # one thread: a step has nothing to share out
     options = {"xla_cpu_multi_thread_eigen": False}
     return (
         jax.jit(partial(_steps, structure, body), compiler_options=options),
         jax.jit(partial(_near, structure), compiler_options=options),
+        jax.jit(partial(_tangents, structure, body), compiler_options=options),
     )
 
 
@@ -177,7 +210,7 @@ class MjxWorld(ArrayWorld):
         self._mjx = mjx.put_model(self.model, device=_processor())
         mjx.make_data(self._mjx)  # refuses what a step cannot do
         self._arrays, structure = jax.tree.flatten(self._mjx)
-        self.loop, self._contacts = _compiled(structure, self._body)
+        self.loop, self._contacts, self._tangents = _compiled(structure, self._body)
 
     def of_can(self, field: str) -> Floats:
         """Return what MJX has of the can, by the name of the model's array."""
@@ -197,23 +230,69 @@ class MjxWorld(ArrayWorld):
     def advance(self, state: Floats | None, forces: Floats | None, steps: int) -> Floats:
         """Take steps; return a row for each, and one of the state after the last."""
         # numpy's arrays go in, whatever came out: arrays of another origin are another program
-        parts, real = [], self.real
+        parts = []
         if state is not None:
-            halves = state[:7].astype(real), state[7:].astype(real)
-            self._carried = (*halves, np.zeros(6, real), np.zeros((), np.int32))
+            self._carried = self._beginning(state)
         with self._computing():
-            for start in range(0, steps, _ROWS):
-                count = min(_ROWS, steps - start)
-                applied = None
-                if forces is not None:
-                    applied = np.zeros((_ROWS, 3), real)
-                    applied[:count] = forces[start : start + count]
+            for count, applied in self._calls(forces, steps):
                 carried, rows = self.loop(self._arrays, self._carried, applied, count)
                 self._carried = tuple(map(np.asarray, carried))
                 parts.append(np.asarray(rows, dtype=np.float64)[:count])
         last = np.full((1, 21), np.nan)
         last[0, :13] = np.concatenate(self._carried[:2])
         return np.concatenate((*parts, last))
+
+    def differentiate(
+        self, tangents: Floats, forces: Floats | None, steps: int
+    ) -> tuple[Floats, Floats]:
+        """Take steps from where the can was placed, and differentiate them.
+
+        Parameters
+        ----------
+        tangents : ndarray, shape (k, 13)
+            Changes of qpos and qvel at the start.
+        forces : ndarray, shape (steps, 3), or None
+            On the centre of mass, N.
+        steps : int
+
+        Returns
+        -------
+        ndarray, shape (steps, 13)
+            qpos and qvel before each step.
+        ndarray, shape (steps, 13, k)
+            Their changes; not numbers where MJX has no derivative.
+        """
+        assert self._given is not None  # noqa: S101 - it was placed
+        carried = self._beginning(self._given)
+        moved: Carried = tuple(
+            part.astype(self.real)
+            for part in (tangents[:, :7], tangents[:, 7:], np.zeros((len(tangents), 6)))
+        )
+        parts, changes = [], []
+        with self._computing():
+            for count, applied in self._calls(forces, steps):
+                now = self._tangents(self._arrays, carried, moved, applied, count)
+                carried, moved = tuple(map(np.asarray, now[0])), tuple(map(np.asarray, now[2]))
+                parts.append(np.asarray(now[1], dtype=np.float64)[:count, :13])
+                changes.append(np.asarray(now[3], dtype=np.float64)[:, :count, :13])
+        return np.concatenate(parts), np.moveaxis(np.concatenate(changes, axis=1), 0, 2)
+
+    def _beginning(self, state: Floats) -> Carried:
+        """Return what a cold start from qpos and qvel, shape (13,), carries."""
+        halves = state[:7].astype(self.real), state[7:].astype(self.real)
+        return (*halves, np.zeros(6, self.real), np.zeros((), np.int32))
+
+    def _calls(
+        self, forces: Floats | None, steps: int
+    ) -> Iterator[tuple[int, NDArray[np.floating] | None]]:
+        """Yield for each call how many steps it takes, and its forces, shape (_ROWS, 3)."""
+        for start in range(0, steps, _ROWS):
+            count = min(_ROWS, steps - start)
+            applied = None
+            if forces is not None:
+                applied = np.zeros((_ROWS, 3), self.real)
+                applied[:count] = forces[start : start + count]
+            yield count, applied
 
     @property
     def iterations(self) -> int:

@@ -15,10 +15,13 @@ from harness.studies.gradients.design import (
     KEYS,
     QUANTITIES,
     SUITES,
+    instants,
     keys_of,
     plan_gradients,
+    setting_values,
     unit_of,
     value_of,
+    with_setting,
 )
 from harness.studies.gradients.study import GradientsStudy
 from harness.studies.study import run_study
@@ -31,7 +34,8 @@ TRUTH = Case(scene=GENTLE, engine="reference")
 
 @pytest.fixture(scope="module")
 def exact() -> dict[str, dict[str, float]]:
-    return exact_derivatives(TRUTH)
+    slopes: dict[str, dict[str, float]] = exact_derivatives(TRUTH)["slopes"]
+    return slopes
 
 
 def test_exact_derivatives_are_those_of_the_exact_motion(
@@ -78,7 +82,7 @@ def test_own_derivatives_are_right_where_their_step_stays_inside_the_contact(
     exact: dict[str, dict[str, float]],
 ) -> None:
     case = Case(scene=GENTLE, engine="mujoco", timestep=1e-3)
-    own = own_derivatives(case)
+    own = {entry["step"]: entry["values"] for entry in own_derivatives(case)["own"]}
     for key in ("release.phi", "release.psi_dot", "release.theta_dot"):
         true = exact["angle_of_turn_deg"][key]
         # the timestep leaves a percent or two
@@ -86,7 +90,7 @@ def test_own_derivatives_are_right_where_their_step_stays_inside_the_contact(
     assert own["1e-08"]["peak_friction_ratio"]["release.phi"] is None
     far = own["0.0001"]["angle_of_turn_deg"]["release.phi"]
     assert abs(far / exact["angle_of_turn_deg"]["release.phi"] - 1.0) > 1.0
-    assert own_derivatives(TRUTH) == {}
+    assert own_derivatives(TRUTH) == {"own": []}
 
 
 @pytest.mark.engine("mujoco")
@@ -107,9 +111,57 @@ def test_the_study_finds_differences_of_both(monkeypatch: pytest.MonkeyPatch) ->
     assert 1e-4 < engine.settled[1] < 0.05
     tables = {a.name: a for a in study.report(done) if isinstance(a, Table)}
     assert set(tables) == {
-        f"gentle-rock-{part}" for part in ("gradients", "own", "timesteps", "differences")
+        f"gentle-rock-{part}"
+        for part in ("gradients", "own", "settings", "timesteps", "differences")
     }
+    settings = tables["gentle-rock-settings"].frame.set_index(["setting", "quantity"])
+    assert {"timestep", "impratio", "solref[0]", "solimp[0]"} <= {
+        name for name, _ in settings.index
+    }
+    # a timestep of 1 ms is felt in the turn, the accuracy of the solver is not
+    decades = settings["per_decade"]
+    assert abs(decades["tolerance", "angle_of_turn_deg"]) < 1e-6
+    assert 1e-4 < abs(decades["timestep", "angle_of_turn_deg"]) < 0.1
     assert np.isfinite(tables["gentle-rock-gradients"].frame["relative_error"]).all()
+
+
+def test_phi_of_a_chaotic_motion_has_an_exact_derivative_at_every_instant() -> None:
+    scene = load("tilted-plane")
+    times = instants(scene)
+    assert list(times.values()) == pytest.approx([0.15, 0.3, 0.45, 0.6, 0.75, 0.9])
+    slopes = exact_derivatives(Case(scene=scene, engine="reference"))["slopes"]
+    for key in ("release.psi_dot", "effects.tilt.angle", "can.radius"):
+        step = 1e-5 * unit_of(scene, key)
+        up, down = (
+            exact_numbers(scene_at(scene, {key: value_of(scene, key) + sign * step}))
+            for sign in (1.0, -1.0)
+        )
+        for name in times:
+            more, less = up[name], down[name]
+            assert more is not None
+            assert less is not None
+            # the third derivative times the step squared, and the digits of the difference
+            assert slopes[name][key] == pytest.approx((more - less) / (2.0 * step), rel=1e-6)
+
+
+def test_a_chaotic_scene_is_followed_as_long_as_an_engine_can_follow_it() -> None:
+    plan = plan_gradients(load("chaotic-can"), ("reference",), "quick")
+    assert plan.chaotic
+    # 0.43 s is the time of growth, and nine of them lie between 1e-5 and 0.1 rad
+    assert plan.scene.horizon.seconds == pytest.approx(9.2 * 0.4258, rel=0.05)
+    assert plan.keys == ("release.phi", "release.psi_dot", "release.theta_dot")
+    assert not plan_gradients(GENTLE, ("reference",), "quick").chaotic
+    assert not instants(GENTLE)
+
+
+def test_numbers_among_settings_are_changed_one_by_one() -> None:
+    base = Case(scene=GENTLE, engine="mujoco", timestep=1e-3, options=(("impratio", 100.0),))
+    force = {"solref": (0.002, 1.0), "impratio": 100.0, "cone": "elliptic", "warmstart": True}
+    assert setting_values(force) == {"solref[0]": 0.002, "solref[1]": 1.0, "impratio": 100.0}
+    changed = with_setting(base, force, "solref[1]", 1.01)
+    assert dict(changed.options) == {"impratio": 100.0, "solref": (0.002, 1.01)}
+    assert dict(with_setting(base, force, "impratio", 0.5).options) == {"impratio": 50.0}
+    assert with_setting(base, force, "timestep", 0.5).timestep == pytest.approx(5e-4)
 
 
 def test_a_scene_moves_where_its_key_says() -> None:

@@ -1,0 +1,201 @@
+"""Why the differences of short and of long steps go wrong, and from which step on.
+
+A central difference of f over the step s is d(s) = (f(+s) - f(-s))/(2s). Long steps leave the
+linear range of f: where f bends, the error of d grows as the square of the step (truncation); where
+f is bounded and its derivative is large, f(+s) - f(-s) no longer grows with s and d falls as 1/s
+(saturation; chaos where the derivative grew exponentially). Short steps drown in the digits of f:
+the error grows as 1/s with no sign that lasts (round-off, or the roughness of an iterative solver).
+Or f has jumps, from one choice of steps or of contacts to the next: between two jumps short
+differences agree with each other on a derivative that is not that of the motion, and over one jump
+f(+s) - f(-s) is as large as the jump however short the step is.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.core.trajectory import Floats
+
+
+class Takeover(Enum):
+    """What makes a difference wrong; the value is a sentence."""
+
+    ROUND_OFF = "round-off: the numbers that are subtracted have no more digits"
+    ROUGHNESS = "roughness: the run repeats a number only to some digits, fewer than it has"
+    JUMPS = (
+        "jumps: choices of steps or contacts change between runs, and short steps see one of them"
+    )
+    TIMESTEP = "timestep: the motion at this timestep has another derivative"
+    TRUNCATION = "truncation: the change bends within the step"
+    SATURATION = "saturation: the change is no longer in proportion to the step"
+    CHAOS = "chaos: disturbances grow exponentially, and a longer step leads to another motion"
+
+    @property
+    def word(self) -> str:
+        """The first word."""
+        return self.value.partition(":")[0]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cause:
+    """What goes wrong with the steps at one end of a ladder.
+
+    Parameters
+    ----------
+    takeover : Takeover
+    step : float
+        Relative step from which on it is so: the longest of short ones, the shortest of long ones.
+    """
+
+    takeover: Takeover
+    step: float
+
+
+SETTLED = 0.01
+"""Differences of neighbouring short steps that agree so far, relative, have settled."""
+
+_FEWEST = 3
+"""Steps that make a plateau, a level of differences or of the numbers that are subtracted."""
+
+_RUN = 2
+"""Neighbouring steps that are right, so that none of them is by chance."""
+
+_LEVEL = 4.0
+"""Factor within which what is subtracted is level, while the steps grow tenfold or more."""
+
+_ROUND_OFF = 1e-12
+"""Noise of a quantity, over the quantity, up to which it is round-off."""
+
+_LOST = 0.5
+"""Share of the exact derivative below which a long difference has lost it."""
+
+
+def short_cause(
+    steps: Sequence[float],
+    values: Sequence[float | None],
+    *,
+    exact: float,
+    scale: float,
+    right: float,
+    unit: float,
+    size: float,
+) -> Cause | None:
+    """Return what is wrong with the steps below those that are right; None if nothing is.
+
+    Parameters
+    ----------
+    steps : sequence of float, length n
+        Relative, from long to short.
+    values : sequence of float or None, length n
+        Differences over their step, per unit of the key.
+    exact : float
+        Likewise.
+    scale : float
+        Of the errors.
+    right : float
+        Relative error up to which a difference is right.
+    unit : float
+        What a relative step of one is, in the unit of the key.
+    size : float
+        Magnitude of the quantity.
+    """
+    s, d, error = _known(steps, values, exact, scale)
+    good = longest_run(error <= right)
+    wrong = 0 if good is None else good[1] + 1
+    if s.size < _FEWEST or wrong == s.size:
+        return None
+    s, d = s[wrong:], d[wrong:]
+    change = np.abs(d - exact) * 2.0 * s * unit  # of the quantity, beyond what is exact
+    settles = _longest_plateau(d)
+    if settles is not None:
+        if wrong == 0 and settles[0] == 0:
+            return Cause(takeover=Takeover.TIMESTEP, step=float(s[0]))
+        return Cause(
+            takeover=Takeover.JUMPS if wrong else Takeover.TIMESTEP,
+            step=float(s[0] if wrong else s[settles[0]]),
+        )
+    same_sign = bool(np.all(d[-_FEWEST:] > 0) or np.all(d[-_FEWEST:] < 0))
+    tail = change[-_FEWEST:]
+    if same_sign and tail.size == _FEWEST and tail.max() <= (1.0 + SETTLED) * tail.min():
+        return Cause(takeover=Takeover.JUMPS, step=float(s[0]))
+    noise = float(np.median(tail)) / size if size else math.inf
+    kind = Takeover.ROUND_OFF if noise <= _ROUND_OFF else Takeover.ROUGHNESS
+    return Cause(takeover=kind, step=float(s[0]))
+
+
+def long_cause(
+    steps: Sequence[float],
+    values: Sequence[float | None],
+    *,
+    exact: float,
+    scale: float,
+    right: float,
+    chaotic: bool,
+) -> Cause | None:
+    """Return what is wrong with the steps above those that are right; None if nothing is.
+
+    Parameters
+    ----------
+    steps, values, exact, scale, right
+        As of `short_cause`.
+    chaotic : bool
+        Whether disturbances of the motion grow exponentially.
+    """
+    s, d, error = _known(steps, values, exact, scale)
+    good = longest_run(error <= right)
+    if good is None or good[0] == 0 or exact == 0.0:
+        return None
+    s, d = s[: good[0]], d[: good[0]]
+    change = np.abs(d) * s
+    # linear, the numbers that are subtracted would be apart by |exact| s
+    falls = np.abs(d[0]) < _LOST * abs(exact)
+    level = change[0] <= _LEVEL * change[-1] and s[0] >= 10.0 * s[-1] * (1.0 - SETTLED)
+    if falls and (level or s.size == 1):
+        takeover = Takeover.CHAOS if chaotic else Takeover.SATURATION
+    else:
+        takeover = Takeover.TRUNCATION
+    return Cause(takeover=takeover, step=float(s[-1]))
+
+
+def _known(
+    steps: Sequence[float], values: Sequence[float | None], exact: float, scale: float
+) -> tuple[Floats, Floats, Floats]:
+    pairs = [
+        (s, d) for s, d in zip(steps, values, strict=True) if d is not None and math.isfinite(d)
+    ]
+    s, d = np.array(pairs, dtype=np.float64).reshape(-1, 2).T
+    return s, d, np.abs(d - exact) / scale
+
+
+def longest_run(right: NDArray[np.bool_]) -> tuple[int, int] | None:
+    """Return first and last place of the longest run of steps that are right, of two at least.
+
+    One step alone may be right by chance: where its error crosses zero.
+    """
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], right, [False]))))
+    runs = edges.reshape(-1, 2)
+    lengths = runs[:, 1] - runs[:, 0]
+    if not lengths.size or lengths.max() < _RUN:
+        return None
+    first, end = runs[int(np.argmax(lengths))]
+    return int(first), int(end) - 1
+
+
+def _longest_plateau(values: Floats) -> tuple[int, int] | None:
+    """Return first and last place of the longest run of neighbours that agree; None without one."""
+    best: tuple[int, int] | None = None
+    first = 0
+    for place in range(1, values.size + 1):
+        agree = place < values.size and abs(values[place] - values[place - 1]) <= SETTLED * max(
+            abs(values[place]), abs(values[place - 1])
+        )
+        if agree and (values[place] or values[place - 1]):
+            continue
+        if place - first >= _FEWEST and (best is None or place - first > best[1] - best[0] + 1):
+            best = first, place - 1
+        first = place
+    return best

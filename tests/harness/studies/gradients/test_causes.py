@@ -1,0 +1,112 @@
+"""Causes of wrong differences, on functions of which the cause is known."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from harness.studies.gradients.causes import Cause, Takeover, long_cause, short_cause
+
+STEPS = tuple(10.0**-power for power in range(1, 10))
+
+
+def causes(
+    of: Callable[[float], float],
+    exact: float,
+    *,
+    size: float = 1.0,
+    steps: tuple[float, ...] = STEPS,
+    chaotic: bool = False,
+) -> tuple[Cause | None, Cause | None]:
+    """Return what goes wrong at short and at long steps of a function about 0."""
+    values = [(of(s) - of(-s)) / (2.0 * s) for s in steps]
+    scale = abs(exact)
+    return (
+        short_cause(steps, values, exact=exact, scale=scale, right=0.01, unit=1.0, size=size),
+        long_cause(steps, values, exact=exact, scale=scale, right=0.01, chaotic=chaotic),
+    )
+
+
+def noisy(size: float) -> Callable[[float], float]:
+    """Return a smooth function with noise of a size, the same at the same place."""
+
+    def of(x: float) -> float:
+        chance = np.random.default_rng(hash(abs(x)))
+        # odd, so that a central difference sees all of it, and never next to nothing
+        rough = chance.choice((-1.0, 1.0)) * chance.uniform(0.5, 1.0)
+        return math.sin(x) + math.copysign(1.0, x) * size * float(rough)
+
+    return of
+
+
+def test_a_smooth_function_is_right_at_every_short_step() -> None:
+    short, long = causes(lambda x: math.sin(5.0 * x), 5.0)
+    assert short is None
+    assert long == Cause(takeover=Takeover.TRUNCATION, step=0.1)
+
+
+@pytest.mark.parametrize(
+    ("size", "takeover"), [(1e-13, Takeover.ROUND_OFF), (1e-7, Takeover.ROUGHNESS)]
+)
+def test_noise_takes_over_where_it_is_a_hundredth_of_the_change(
+    size: float, takeover: Takeover
+) -> None:
+    steps = tuple(10.0**-power for power in range(1, 13))
+    short, _ = causes(noisy(size), 1.0, steps=steps)
+    assert short is not None
+    assert short.takeover is takeover
+    # noise of this size over the step is 0.01 at a hundred times the size
+    assert 0.05 < short.step / (100.0 * size) < 1.1
+
+
+def test_steps_between_two_jumps_settle_on_another_derivative() -> None:
+    # stairs of slope 1, of which each tread rises by 0.3 only
+    width = 1e-5
+    short, _ = causes(lambda x: 0.3 * x + 0.7 * width * math.floor(x / width + 0.5), 1.0)
+    assert short is not None
+    assert short.takeover is Takeover.JUMPS
+    assert short.step == pytest.approx(1e-6, rel=1.1)
+
+
+def test_a_jump_at_the_release_is_as_large_at_every_step() -> None:
+    short, _ = causes(lambda x: x + 1e-6 * (x > 0.0), 1.0)
+    assert short is not None
+    assert short.takeover is Takeover.JUMPS
+    assert short.step == pytest.approx(1e-5)
+
+
+def test_a_motion_of_another_derivative_is_wrong_at_all_steps() -> None:
+    short, long = causes(lambda x: 1.2 * x, 1.0)
+    assert short == Cause(takeover=Takeover.TIMESTEP, step=0.1)
+    assert long is None
+
+
+def logistic(x: float) -> float:
+    """Return the logistic map of 0.3 + x after thirty times: chaos."""
+    value = 0.3 + x
+    for _ in range(16):
+        value = 4.0 * value * (1.0 - value)
+    return value
+
+
+def test_a_derivative_that_grew_exponentially_holds_for_short_steps_alone() -> None:
+    value, slope = 0.3, 1.0
+    for _ in range(16):
+        value, slope = 4.0 * value * (1.0 - value), slope * 4.0 * (1.0 - 2.0 * value)
+    assert abs(slope) > 1e4
+    _, long = causes(logistic, slope, chaotic=True)
+    assert long is not None
+    assert long.takeover is Takeover.CHAOS
+    # the linear range ends about where the change predicted is a tenth
+    assert 1e-3 < long.step * abs(slope) < 10.0
+    _, same = causes(logistic, slope, chaotic=False)
+    assert same is not None
+    assert same.takeover is Takeover.SATURATION
+
+
+def test_without_numbers_there_is_no_cause() -> None:
+    assert (
+        short_cause(STEPS, [None] * 9, exact=1.0, scale=1.0, right=0.01, unit=1.0, size=1.0) is None
+    )
+    assert long_cause(STEPS, [np.nan] * 9, exact=1.0, scale=1.0, right=0.01, chaotic=True) is None
