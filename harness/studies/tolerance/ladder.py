@@ -79,6 +79,10 @@ class ToleranceLadder:
         What round-off allows of the exact motion, rad.
     records : mapping of float to Record
         By what was asked for, from coarse to fine.
+    unpaid : tuple of float
+        Finer values that were not run, since they are expected to take too many steps.
+    excluded : str
+        Why nothing was run; empty if something was, or could not be paid for.
     """
 
     knob: Knob
@@ -86,6 +90,8 @@ class ToleranceLadder:
     measure: str
     floor: float
     records: Mapping[float, Record]
+    unpaid: tuple[float, ...] = ()
+    excluded: str = ""
 
     @property
     def known(self) -> tuple[tuple[float, float], ...]:
@@ -184,11 +190,14 @@ class ToleranceLadder:
     def verdict(self) -> Verdict:
         """The verdict with its numbers."""
         kind = self.honesty
-        return Verdict(kind.status, f"{kind.value}: {self._because(kind)}")
+        rest = f"; below {min(self.records):.1g} not paid for" if self.unpaid and self.records else ""
+        return Verdict(kind.status, f"{kind.value}: {self._because(kind)}{rest}")
 
     def _because(self, kind: Honesty) -> str:
         """Return the numbers behind a kind of verdict."""
         level, worst, slope = self.saturation, self.worst, self.slope
+        if not self.records:
+            return self.excluded or "no value can be paid for"
         if kind is Honesty.UNJUDGED:
             return self.missed[0][1] if self.missed else "too few errors to tell a slope from"
         if kind is Honesty.LOST:

@@ -15,7 +15,14 @@ from harness.evaluation.evaluation import Record
 from harness.studies.shared import run_columns
 from harness.studies.study import Job, Results
 from harness.studies.tolerance.delivered import DELIVERING, compared_by, round_off
-from harness.studies.tolerance.design import Knob, ToleranceSuite, knobs, ladder, usable_scenes
+from harness.studies.tolerance.design import (
+    Knob,
+    PlannedLadder,
+    ToleranceSuite,
+    knobs,
+    planned_ladder,
+    usable_scenes,
+)
 from harness.studies.tolerance.ladder import Honesty, ToleranceLadder
 
 
@@ -38,30 +45,32 @@ class ToleranceStudy:
         """Title of the study."""
         return f"requested against delivered, {self.suite.name} suite"
 
-    def next_jobs(self, _: Results) -> list[Job[Case, Record]]:
-        """Return a case for each value of each setting in each scene."""
-        scenes, _left_out = usable_scenes(self.suite)
+    def next_jobs(self, done: Results) -> list[Job[Case, Record]]:
+        """Return a case for each value that can be paid for, as far as coarser runs tell."""
         return [
-            Job(DELIVERING, case)
-            for knob in knobs(self.engines, self.suite)
-            for scene in scenes
-            for case in ladder(knob, scene, self.suite).values()
+            Job(DELIVERING, case) for plan in self._planned(done) for case in plan.cases.values()
         ]
 
-    def ladders(self, done: Results) -> list[ToleranceLadder]:
-        """Return what each setting delivers in each scene that its engine can represent."""
+    def _planned(self, done: Results) -> Iterator[PlannedLadder]:
         records, scenes = done.of(DELIVERING), usable_scenes(self.suite)[0]
+        for knob in knobs(self.engines, self.suite):
+            for scene in scenes:
+                yield planned_ladder(knob, scene, self.suite, records)
+
+    def ladders(self, done: Results) -> list[ToleranceLadder]:
+        """Return what each setting delivers in each scene, also where it cannot be run."""
+        records = done.of(DELIVERING)
         return [
             ToleranceLadder(
-                knob=knob,
-                scene=scene,
-                measure=compared_by(scene),
-                floor=round_off(scene),
-                records={asked: records[case] for asked, case in cases.items()},
+                knob=plan.knob,
+                scene=plan.scene,
+                measure=compared_by(plan.scene),
+                floor=round_off(plan.scene),
+                records={asked: records[case] for asked, case in plan.cases.items()},
+                unpaid=plan.unpaid,
+                excluded=plan.excluded,
             )
-            for knob in knobs(self.engines, self.suite)
-            for scene in scenes
-            if (cases := ladder(knob, scene, self.suite))
+            for plan in self._planned(done)
         ]
 
     def report(self, done: Results) -> tuple[Artefact, ...]:
@@ -86,10 +95,10 @@ class SettingSummary:
     ladders: tuple[ToleranceLadder, ...]
 
     @property
-    def asked(self) -> tuple[float, float]:
-        """Coarsest and finest value that was asked for."""
+    def asked(self) -> tuple[float, float] | None:
+        """Coarsest and finest value that was asked for; None if nothing could be run."""
         values = [asked for each in self.ladders for asked in each.records]
-        return max(values), min(values)
+        return (max(values), min(values)) if values else None
 
     @property
     def counts(self) -> Counter[Honesty]:
@@ -121,7 +130,10 @@ class SettingSummary:
 
     @property
     def verdict(self) -> Verdict:
-        """The commonest kind of verdict over the scenes that are judged, and the gravest."""
+        """The commonest kind of verdict over the scenes that are judged, and how many have others.
+
+        Its status is that of the commonest kind.
+        """
         counts = Counter({k: n for k, n in self.counts.items() if k is not Honesty.UNJUDGED})
         if not counts:
             return Verdict(Honesty.UNJUDGED.status, "not judged in any scene")
@@ -162,6 +174,8 @@ def _summary(settings: Sequence[SettingSummary], left_out: dict[str, str]) -> Pr
 
 
 def _sentence(setting: SettingSummary) -> str:
+    if setting.asked is None:
+        return f"{setting.knob.name}: {setting.verdict.text}."
     coarse, fine = setting.asked
     words = [f"{setting.knob.name}, asked for {coarse:.0e} to {fine:.0e}: {setting.verdict.text}."]
     if setting.slope is not None:
@@ -287,6 +301,14 @@ def _rows(ladders: Sequence[ToleranceLadder]) -> Iterator[dict[str, object]]:
                 "reason": record["reason"],
                 "case": case.digest(record["version"]),
             }
+        for asked in each.unpaid:
+            yield {
+                "setting": each.knob.name,
+                "engine": each.knob.engine,
+                "scene": each.scene.name,
+                "asked": asked,
+                "reason": "not paid for: too many steps are expected",
+            }
 
 
 _SETTING = Column("setting", "The setting that asks for an accuracy.", "knob.name")
@@ -304,9 +326,9 @@ def _count(kind: Honesty) -> Column:
 _SETTINGS = (
     _SETTING,
     _ENGINE,
-    Column("coarsest", "Coarsest value asked for.", lambda s: s.asked[0]),
+    Column("coarsest", "Coarsest value asked for.", lambda s: s.asked and s.asked[0]),
     Column(
-        "finest", "Finest value asked for; of eta what steps can be paid for.", lambda s: s.asked[1]
+        "finest", "Finest value that could be paid for.", lambda s: s.asked and s.asked[1]
     ),
     Column("median_slope", _SLOPE, "slope"),
     Column("worst_factor", _WORST, lambda s: s.worst and s.worst[0]),
@@ -326,6 +348,7 @@ _LADDERS = (
     _SCENE,
     Column("measure", "Which error is compared: of the first turn, or the largest of phi."),
     Column("values", "How many values were asked for.", lambda each: len(each.records)),
+    Column("unpaid", "How many finer ones were not paid for.", lambda each: len(each.unpaid)),
     Column("slope", _SLOPE),
     Column("worst_factor", _WORST, lambda each: each.worst and each.worst[0]),
     Column("worst_asked", "What was asked for there.", lambda each: each.worst and each.worst[1]),
