@@ -78,9 +78,7 @@ def _sobol_change(seed: int, dimensions: int, bit: int) -> Words:
 
 def _sobol_word(seed: int, dimensions: int, row: int) -> Words:
     """Return one point as whole numbers, shape (dimensions,), in a time that grows with its row."""
-    sequence = qmc.Sobol(
-        d=dimensions, scramble=True, bits=_BITS, rng=np.random.default_rng(seed)
-    )
+    sequence = qmc.Sobol(d=dimensions, scramble=True, bits=_BITS, rng=np.random.default_rng(seed))
     with warnings.catch_warnings():
         # of a count that is no power of two: a plot or a mean needs no perfect balance
         warnings.filterwarnings("ignore", message="The balance properties")

@@ -98,20 +98,21 @@ VARIANTS = (
 _DECADES = tuple(float(f"1e-{power}") for power in range(3, 14))
 """Relative tolerances over ten decades; scipy takes none below 2.2e-14."""
 
-TOLERANCES = tuple(
-    Variant(
-        name=name,
-        settings=(("model", "rolling"), ("method", method)),
-        along="rtol",
-        values=_DECADES,
-        thorough=method in {"RK23", "Radau", "BDF"},
-    )
-    for name, method in (
-        *((f"scipy {method}", method) for method in SCIPY_METHODS),
-        ("half-period", "half-period"),
-        ("Picard-Chebyshev", "picard-chebyshev"),
-    )
-) + (
+TOLERANCES = (
+    *(
+        Variant(
+            name=name,
+            settings=(("model", "rolling"), ("method", method)),
+            along="rtol",
+            values=_DECADES,
+            thorough=method in {"RK23", "Radau", "BDF"},
+        )
+        for name, method in (
+            *((f"scipy {method}", method) for method in SCIPY_METHODS),
+            ("half-period", "half-period"),
+            ("Picard-Chebyshev", "picard-chebyshev"),
+        )
+    ),
     Variant(
         name="general equations", settings=(("model", "general"),), along="rtol", values=_DECADES
     ),
