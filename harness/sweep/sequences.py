@@ -85,4 +85,5 @@ def _sobol_word(seed: int, dimensions: int, row: int) -> Words:
         if row:  # `fast_forward(0)` overflows
             sequence.fast_forward(row)
         point = sequence.random(1)[0]
-    return np.ldexp(point, _BITS).astype(np.int64)
+    word: Words = np.ldexp(point, _BITS).astype(np.int64)
+    return word

@@ -261,7 +261,8 @@ def planned_ladder(
     ladder = PlannedLadder(knob=knob, scene=scene, cases={}, excluded=excluded(knob, scene))
     if ladder.excluded:
         return ladder
-    values, cases = knob.values(suite), {}
+    values = knob.values(suite)
+    cases: dict[float, Case] = {}
     taken: list[tuple[float, int]] = []
     waiting = False
     for place, value in enumerate(values):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 
+from harness.core.trajectory import Floats
 from harness.sweep.sequences import points
 
 SEED, DIMENSIONS, COUNT = 7, 3, 5000
@@ -16,7 +17,7 @@ def sample(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
 
-def drawn(sample: str) -> np.ndarray:
+def drawn(sample: str) -> Floats:
     """Return the first points, all drawn at once by the generator itself."""
     random = np.random.Generator(np.random.PCG64(SEED))
     if sample == "random":
@@ -24,7 +25,8 @@ def drawn(sample: str) -> np.ndarray:
     kind = qmc.Sobol if sample == "sobol" else qmc.Halton
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="The balance properties")
-        return kind(d=DIMENSIONS, scramble=True, rng=np.random.default_rng(SEED)).random(COUNT)
+        sequence = kind(d=DIMENSIONS, scramble=True, rng=np.random.default_rng(SEED))
+        return np.asarray(sequence.random(COUNT))
 
 
 def test_any_rows_are_those_of_the_sequence_to_the_bit(sample: str) -> None:
