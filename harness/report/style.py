@@ -46,6 +46,12 @@ class LineStyle:
 
 REFERENCE = LineStyle(light="#16181d", dark="#f3f0e9", width=3.4)
 
+BACKGROUND = LineStyle(light="#8a8f97", dark="#777d87", width=1.0)
+"""Of the curves of a crowd that are not told apart: the kind "background"."""
+
+
+_OURS = {"reference": REFERENCE, "background": BACKGROUND}
+
 
 def palette(kinds: Iterable[str]) -> Mapping[str, LineStyle]:
     """Return the line style of each kind; what declares none takes one that is free, in order.
@@ -63,9 +69,9 @@ def palette(kinds: Iterable[str]) -> Mapping[str, LineStyle]:
 
 
 def _declared(kind: str) -> LineStyle | None:
-    """Return the line style of the exact motion, or the one that an engine declares, if it does."""
-    if kind == "reference":
-        return REFERENCE
+    """Return the line style of the exact motion, of a crowd, or that an engine declares, if any."""
+    if kind in _OURS:
+        return _OURS[kind]
     said = description_of(kind)
     if not (said.light and said.dark):
         return None

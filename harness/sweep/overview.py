@@ -91,7 +91,10 @@ def _quantile(share: float, extent: Extent) -> float:
 
 EXTENTS = (
     Column("quantity", "With its unit last.", "name"),
-    Column("scenes", "How many have it; why the others have not, their outcome says.", "count"),
+    Column(
+        "scenes", "How many have a finite one; why others have none, their outcome says.", "count"
+    ),
+    Column("infinite", "How many have an infinite one, which no other column has."),
     Column("least", "In the quantity's unit.", "low"),
     Column("mean", "In the quantity's unit, over the scenes that have it."),
     Column("largest", "In the quantity's unit.", "high"),

@@ -7,7 +7,6 @@ any order, and the sweep is the same to the bit. A partition's size is part of t
 import hashlib
 import json
 import math
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
@@ -15,7 +14,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
@@ -27,6 +25,7 @@ from harness.evaluation.evaluate import check_case
 from harness.sweep.axes import Axis, check_axes, check_sample, checked_scene
 from harness.sweep.derivatives import DERIVATIVES, parts_of
 from harness.sweep.parameters import Floats
+from harness.sweep.sequences import points
 from harness.sweep.values import DEFAULT, QUANTITIES, SOURCES
 from models.scene import Scene
 
@@ -124,7 +123,7 @@ class SweepPlan:
             return {
                 axis.name: axis.values(place) for axis, place in zip(self.axes, places, strict=True)
             }
-        shares = _shares(self.sample, self.seed, len(self.axes), rows)
+        shares = points(self.sample, self.seed, len(self.axes), rows)
         return {axis.name: axis.at(shares[:, n]) for n, axis in enumerate(self.axes)}
 
     def to_dict(self) -> dict[str, Any]:
@@ -266,19 +265,3 @@ def _program(engine: str, *, compiled: bool) -> tuple[tuple[str, str], ...]:
     names = ("rockingcan", "numpy", "scipy", *(("numba",) if compiled else ()))
     packages = [(name, version(name)) for name in names]
     return (*packages, ("sources", code_fingerprint(engine, __name__)))
-
-
-def _shares(sample: str, seed: int, dimensions: int, rows: range) -> Floats:
-    """Return consecutive points of a sequence in the unit cube, shape (n, dimensions)."""
-    if sample == "random":
-        # a double takes one number of the sequence: any row can be reached without those before
-        bits = np.random.PCG64(seed).advance(rows.start * dimensions)
-        return np.random.Generator(bits).random((len(rows), dimensions))
-    kind = qmc.Sobol if sample == "sobol" else qmc.Halton
-    sequence = kind(d=dimensions, scramble=True, rng=np.random.default_rng(seed))
-    with warnings.catch_warnings():
-        # of a count that is no power of two: a plot or a mean needs no perfect balance
-        warnings.filterwarnings("ignore", message="The balance properties")
-        if rows.start:  # `fast_forward(0)` overflows
-            sequence.fast_forward(rows.start)
-        return np.asarray(sequence.random(len(rows)), dtype=np.float64)

@@ -35,7 +35,9 @@ class Extent:
     ----------
     name : str
     count : int
-        Scenes that have the quantity; of none the other numbers mean nothing.
+        Scenes in which the quantity is finite; of none the other numbers mean nothing.
+    infinite : int
+        Scenes in which it is infinite: no other number has them.
     total : float
         Sum of the values.
     squares : float
@@ -50,6 +52,7 @@ class Extent:
 
     name: str
     count: int
+    infinite: int
     total: float
     squares: float
     low: float
@@ -144,35 +147,42 @@ def reduction_of(plan: SweepPlan, part: pd.DataFrame, drawing: Map | Curves) -> 
 
 
 def _extent(name: str, values: Floats, start: int) -> Extent:
-    """Return the extent of a quantity in consecutive scenes, NaN where a scene has none."""
-    rows = np.flatnonzero(~np.isnan(values))
+    """Return the extent of a quantity in consecutive scenes, NaN where a scene has none.
+
+    This is the one place that decides on numbers that are not finite: infinite ones are counted,
+    and no moment, extreme or histogram has them.
+    """
+    rows = np.flatnonzero(np.isfinite(values))
+    infinite = int(np.isinf(values).sum())
     known = values[rows]
     if not known.size:
-        return _nothing(name)
+        return _nothing(name, infinite)
     least, most = int(known.argmin()), int(known.argmax())
-    with np.errstate(invalid="ignore", over="ignore"):  # of infinite values, and of huge ones
+    with np.errstate(invalid="ignore", over="ignore"):  # of huge values
         total = float(known.sum())
         shift = known - total / known.size
         squares = float((shift * shift).sum())
     return Extent(
         name=name,
         count=known.size,
+        infinite=infinite,
         total=total,
         squares=squares,
         low=float(known[least]),
         high=float(known[most]),
         low_row=start + int(rows[least]),
         high_row=start + int(rows[most]),
-        **_histograms(known[np.isfinite(known)]),
+        **_histograms(known),
     )
 
 
-def _nothing(name: str) -> Extent:
-    """Return the extent of a quantity that no scene has."""
+def _nothing(name: str, infinite: int) -> Extent:
+    """Return the extent of a quantity that is finite in no scene."""
     none = np.empty(0)
     return Extent(
         name=name,
         count=0,
+        infinite=infinite,
         total=0.0,
         squares=0.0,
         low=math.inf,
@@ -201,12 +211,14 @@ class _Merger:
 
     def __init__(self, name: str) -> None:
         self._name = name
+        self._infinite = 0
         self._moments: list[tuple[int, float, float]] = []
         self._low, self._high = (math.inf, 0), (-math.inf, 0)
         self._histograms: dict[str, list[Histogram]] = {"even": [], "rising": [], "falling": []}
 
     def add(self, part: Extent) -> None:
-        """Take an extent into account; that of no scene changes nothing."""
+        """Take an extent into account; of one without finite values, how many are infinite."""
+        self._infinite += part.infinite
         if not part.count:
             return
         self._moments.append((part.count, part.total, part.squares))
@@ -220,7 +232,7 @@ class _Merger:
     def extent(self) -> Extent:
         """Return the extent of all scenes."""
         if not self._moments:
-            return _nothing(self._name)
+            return _nothing(self._name, self._infinite)
         count = sum(part for part, _, _ in self._moments)
         total = _sum([part for _, part, _ in self._moments])
         squares = [part for _, _, part in self._moments]
@@ -230,6 +242,7 @@ class _Merger:
         return Extent(
             name=self._name,
             count=count,
+            infinite=self._infinite,
             total=total,
             squares=_sum(squares),
             low=self._low[0],
@@ -241,7 +254,7 @@ class _Merger:
 
 
 def _sum(numbers: Sequence[float]) -> float:
-    """Return a sum, rounded once; infinite numbers have the sum that addition gives."""
+    """Return a sum, rounded once; sums of huge numbers that overflowed as addition has them."""
     return math.fsum(numbers) if all(map(math.isfinite, numbers)) else sum(numbers)
 
 

@@ -28,6 +28,7 @@ from reference import (
     MODELS,
     RENAMED_METHODS,
     Choice,
+    Outcome,
     Phase,
     Problem,
     Solution,
@@ -94,24 +95,29 @@ VARIANTS = (
 """Ways to solve a scene; an implicit method in the raw variables is slow where it is stiff."""
 
 
-_DECADES = tuple(float(f"1e-{power}") for power in range(2, 13))
+_DECADES = tuple(float(f"1e-{power}") for power in range(3, 14))
 """Relative tolerances over ten decades; scipy takes none below 2.2e-14."""
 
-TOLERANCES = tuple(
+TOLERANCES = (
+    *(
+        Variant(
+            name=name,
+            settings=(("model", "rolling"), ("method", method)),
+            along="rtol",
+            values=_DECADES,
+            thorough=method in {"RK23", "Radau", "BDF"},
+        )
+        for name, method in (
+            *((f"scipy {method}", method) for method in SCIPY_METHODS),
+            ("half-period", "half-period"),
+            ("Picard-Chebyshev", "picard-chebyshev"),
+        )
+    ),
     Variant(
-        name=name,
-        settings=(("model", "rolling"), ("method", method)),
-        along="rtol",
-        values=_DECADES,
-        thorough=method in {"RK23", "Radau", "BDF"},
-    )
-    for name, method in (
-        *((f"scipy {method}", method) for method in SCIPY_METHODS),
-        ("half-period", "half-period"),
-        ("Picard-Chebyshev", "picard-chebyshev"),
-    )
+        name="general equations", settings=(("model", "general"),), along="rtol", values=_DECADES
+    ),
 )
-"""Every integrator of the rolling can over the tolerances that it may be asked for."""
+"""Every integrator over the tolerances that it may be asked for."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -125,6 +131,11 @@ class Truth:
     def ends(self) -> float:
         """Time up to which the motion is known, s."""
         return self.solution.t_end * natural_time(self.scene)
+
+    @property
+    def complete(self) -> bool:
+        """Whether the motion is followed to its end, and does not call for too much work."""
+        return self.solution.outcome is not Outcome.OUTWORKED
 
     @property
     def bounces(self) -> tuple[Bounce, ...]:

@@ -5,8 +5,9 @@ Such a setting is a tolerance of an integrator, the accuracy of an engine with e
 """
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
@@ -18,6 +19,7 @@ from harness.engines.registry import engine, missing_effects
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.stepping.schedule import ETA, ETA_SETTING, LARGEST_SHARE
 from harness.evaluation.effort import simulated_seconds
+from harness.evaluation.evaluation import Record
 from models.catalogue import hard_names, load
 from models.scene import Scene
 
@@ -35,7 +37,7 @@ class ToleranceSuite:
     thorough : bool
         Whether variants that say nearly the same as another are run too.
     most_steps : float
-        Expected of an adaptive run; finer values of `eta` are left out.
+        Expected of a run; values that are expected to take more are not paid for, and told so.
     """
 
     name: str
@@ -60,10 +62,16 @@ SUITES = {
         scenes=(*_ALWAYS, *hard_names()),
         stride=1,
         thorough=True,
-        most_steps=1e5,
+        most_steps=3e4,
     ),
 }
 """quick: about a minute on two cores. full: every hard case that has an exact motion."""
+
+_USUAL_GROWTH = 0.25
+"""Power of the tolerance by which the steps of a method of fourth order grow."""
+
+_UNTOLD = 1e-6
+"""Tolerance down to which every solver is cheap; below, coarser runs tell what one takes."""
 
 _ETA = tuple(float(f"{10.0 ** (-power / 2.0):.2g}") for power in range(2, 13))
 """Half a decade apart, from a tenth of the way in a step: each decade costs ten times the steps."""
@@ -105,15 +113,47 @@ class Knob:
             options=(*self.variant.settings, (self.variant.along, value)),
         )
 
-    def values(self, scene: Scene, suite: ToleranceSuite) -> tuple[float, ...]:
-        """Return what is asked for in a scene, from coarse to fine."""
+    def values(self, suite: ToleranceSuite) -> tuple[float, ...]:
+        """Return what is asked for, from coarse to fine, whether it can be paid for or not."""
         every = tuple(float(v) for v in self.variant.values if isinstance(v, float))
-        if self.variant.along != ETA_SETTING.name:
-            return every[:: suite.stride]
-        return tuple(v for v in every if self._steps(scene, v) <= suite.most_steps)
+        return every if self.adaptive else every[:: suite.stride]
 
-    def _steps(self, scene: Scene, eta: float) -> float:
-        """Return how many steps an adaptive run is expected to take, to a factor of some units."""
+    def expected_steps(
+        self, scene: Scene, value: float, taken: Sequence[tuple[float, int]]
+    ) -> float:
+        """Return how many steps a run is expected to take, to a factor of some units.
+
+        Of `eta` by the exact motion; of a solver by the steps of its two last coarser runs.
+
+        Parameters
+        ----------
+        scene : Scene
+        value : float
+            What is asked for.
+        taken : sequence of tuple
+            What was asked for in coarser runs, from coarse to fine, and the steps that were taken.
+
+        Returns
+        -------
+        float
+        """
+        if self.adaptive:
+            return self._adaptive_steps(scene, value)
+        if value >= _UNTOLD or not taken:
+            return 0.0
+        growth = _USUAL_GROWTH
+        if len(taken) > 1:
+            (coarse, few), (fine, many) = taken[-2:]
+            growth = max(math.log(max(many, 1) / max(few, 1)) / math.log(coarse / fine), 0.0)
+        asked, steps = taken[-1]
+        return float(steps * (asked / value) ** growth)
+
+    @property
+    def adaptive(self) -> bool:
+        """Whether it is `eta` of adaptive stepping."""
+        return self.variant.along == ETA_SETTING.name
+
+    def _adaptive_steps(self, scene: Scene, eta: float) -> float:
         bounces = truth(scene).bounces
         folds = sum(math.log(1.0 + scene.release.phi / bounce.phi_min) for bounce in bounces)
         share = LARGEST_SHARE * (eta / ETA if self.with_timestep else 1.0)
@@ -157,6 +197,7 @@ def _knobs_of(name: str, suite: ToleranceSuite) -> Iterator[Knob]:
             yield Knob(engine=name, variant=variant, with_timestep=with_timestep)
 
 
+@lru_cache(maxsize=8)
 def usable_scenes(suite: ToleranceSuite) -> tuple[tuple[Scene, ...], dict[str, str]]:
     """Return the scenes of a suite whose exact motion is known, and why others are left out."""
     scenes: list[Scene] = []
@@ -167,15 +208,71 @@ def usable_scenes(suite: ToleranceSuite) -> tuple[tuple[Scene, ...], dict[str, s
         except InvalidSettingError:
             left_out[scene.name] = "it has no exact motion"
             continue
-        if truth(scene).ends == 0.0 or not carried(scene, "rolling"):
-            left_out[scene.name] = "it is no motion that rolls, or it ends where it begins"
+        exact = truth(scene)
+        if exact.ends == 0.0:
+            left_out[scene.name] = "its motion ends where it begins"
+        elif not exact.complete:
+            left_out[scene.name] = "its exact motion is not followed to the end"
         else:
             scenes.append(scene)
     return tuple(scenes), left_out
 
 
-def ladder(knob: Knob, scene: Scene, suite: ToleranceSuite) -> dict[float, Case]:
-    """Return the cases of a setting in a scene by what is asked for; none if it cannot be run."""
-    if missing_effects(knob.engine, scene):
-        return {}
-    return {value: knob.case(scene, value) for value in knob.values(scene, suite)}
+def excluded(knob: Knob, scene: Scene) -> str:
+    """Return why a setting cannot be run in a scene; empty if it can."""
+    if missing := missing_effects(knob.engine, scene):
+        return f"{knob.engine} does not honour {', '.join(sorted(missing))}"
+    model = dict(knob.variant.settings).get("model")
+    if knob.engine == "reference" and isinstance(model, str) and not carried(scene, model):
+        return f"the {model} equations leave out what the scene declares"
+    return ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlannedLadder:
+    """The cases of a setting in a scene, as far as coarser runs tell what can be paid for.
+
+    Parameters
+    ----------
+    knob : Knob
+    scene : Scene
+    cases : mapping of float to Case
+        By what is asked for, from coarse to fine.
+    unpaid : tuple of float
+        Values that are expected to take too many steps.
+    excluded : str
+        Why there are no cases at all; empty if the setting can be run.
+    """
+
+    knob: Knob
+    scene: Scene
+    cases: Mapping[float, Case]
+    unpaid: tuple[float, ...] = ()
+    excluded: str = ""
+
+
+def planned_ladder(
+    knob: Knob, scene: Scene, suite: ToleranceSuite, records: Mapping[Case, Record]
+) -> PlannedLadder:
+    """Return the cases of a setting in a scene: of those done, and of those to be done next.
+
+    A solver's finer values wait for the steps of the coarser ones.
+    """
+    ladder = PlannedLadder(knob=knob, scene=scene, cases={}, excluded=excluded(knob, scene))
+    if ladder.excluded:
+        return ladder
+    values = knob.values(suite)
+    cases: dict[float, Case] = {}
+    taken: list[tuple[float, int]] = []
+    waiting = False
+    for place, value in enumerate(values):
+        if waiting and value < _UNTOLD:
+            break
+        if knob.expected_steps(scene, value, taken) > suite.most_steps:
+            return replace(ladder, cases=cases, unpaid=values[place:])
+        cases[value] = case = knob.case(scene, value)
+        if case in records:
+            taken.append((value, int(records[case]["steps"])))
+        else:
+            waiting = not knob.adaptive
+    return replace(ladder, cases=cases)

@@ -6,8 +6,9 @@ nobody: what is judged is that the one follows the other, and within which facto
 """
 
 import math
+import statistics
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -79,6 +80,10 @@ class ToleranceLadder:
         What round-off allows of the exact motion, rad.
     records : mapping of float to Record
         By what was asked for, from coarse to fine.
+    unpaid : tuple of float
+        Finer values that were not run, since they are expected to take too many steps.
+    excluded : str
+        Why nothing was run; empty if something was, or could not be paid for.
     """
 
     knob: Knob
@@ -86,6 +91,8 @@ class ToleranceLadder:
     measure: str
     floor: float
     records: Mapping[float, Record]
+    unpaid: tuple[float, ...] = ()
+    excluded: str = ""
 
     @property
     def known(self) -> tuple[tuple[float, float], ...]:
@@ -184,13 +191,16 @@ class ToleranceLadder:
     def verdict(self) -> Verdict:
         """The verdict with its numbers."""
         kind = self.honesty
-        return Verdict(kind.status, f"{kind.value}: {self._because(kind)}")
+        rest = (
+            f"; below {min(self.records):.1g} not paid for" if self.unpaid and self.records else ""
+        )
+        return Verdict(kind.status, f"{kind.value}: {self._because(kind)}{rest}")
 
     def _because(self, kind: Honesty) -> str:
         """Return the numbers behind a kind of verdict."""
         level, worst, slope = self.saturation, self.worst, self.slope
         if kind is Honesty.UNJUDGED:
-            return self.missed[0][1] if self.missed else "too few errors to tell a slope from"
+            return self._why_not_judged()
         if kind is Honesty.LOST:
             ((reason, often),) = Counter(reason for _, reason in self.missed).most_common(1)
             return f"at {often} of {len(self.records)} values, {reason}"
@@ -202,3 +212,73 @@ class ToleranceLadder:
             return "round-off at every value"
         steep = "" if slope is None else f", slope {slope:.2f}"
         return f"at worst {worst[0]:.2g} times what {worst[1]:.0e} asks for{steep}"
+
+    def _why_not_judged(self) -> str:
+        if not self.records:
+            return self.excluded or "no value can be paid for"
+        return self.missed[0][1] if self.missed else "too few errors to tell a slope from"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SettingSummary:
+    """What one setting delivers over all scenes."""
+
+    knob: Knob
+    ladders: tuple[ToleranceLadder, ...]
+
+    @property
+    def asked(self) -> tuple[float, float] | None:
+        """Coarsest and finest value that was asked for; None if nothing could be run."""
+        values = [asked for each in self.ladders for asked in each.records]
+        return (max(values), min(values)) if values else None
+
+    @property
+    def counts(self) -> Counter[Honesty]:
+        """How many scenes have which kind of verdict."""
+        return Counter(each.honesty for each in self.ladders)
+
+    @property
+    def slope(self) -> float | None:
+        """Median of the slopes."""
+        known = [each.slope for each in self.ladders if each.slope is not None]
+        return statistics.median(known) if known else None
+
+    @property
+    def worst(self) -> tuple[float, float, str] | None:
+        """Largest delivered over asked, what was asked, and in which scene."""
+        known = [(*each.worst, each.scene.name) for each in self.ladders if each.worst is not None]
+        return max(known, default=None)
+
+    @property
+    def level(self) -> tuple[float, str] | None:
+        """The highest level at which the error stays above what is asked for, and the scene."""
+        kinds = {Honesty.SATURATES, Honesty.IDLE}
+        known = [
+            (each.saturation[1], each.scene.name)
+            for each in self.ladders
+            if each.honesty in kinds and each.saturation is not None
+        ]
+        return max(known, default=None)
+
+    @property
+    def verdict(self) -> Verdict:
+        """The commonest kind of verdict over the scenes that are judged, and how many have others.
+
+        Its status is that of the commonest kind.
+        """
+        counts = Counter({k: n for k, n in self.counts.items() if k is not Honesty.UNJUDGED})
+        if not counts:
+            return Verdict(Honesty.UNJUDGED.status, "not judged in any scene")
+        kind, often = counts.most_common(1)[0]
+        total = counts.total()
+        text = f"{kind.value} in {often} of {total}"
+        others = ", ".join(f"{k.value} in {n}" for k, n in counts.most_common()[1:])
+        return Verdict(kind.status, f"{text}; {others}" if others else text)
+
+
+def by_setting(ladders: Sequence[ToleranceLadder]) -> tuple[SettingSummary, ...]:
+    """Return the ladders of each setting together, in the order of first appearance."""
+    return tuple(
+        SettingSummary(knob=knob, ladders=tuple(each for each in ladders if each.knob == knob))
+        for knob in dict.fromkeys(each.knob for each in ladders)
+    )

@@ -187,7 +187,7 @@ def test_a_stopped_sweep_says_how_to_go_on_and_goes_on(tmp_path: Path, number: i
     os.kill(process.pid, number)
     _, said = process.communicate(timeout=200)
     assert process.returncode == 128 + number
-    assert "of 60000 scenes are written" in said
+    assert "of 60,000 scenes are written" in said
     assert "rockingcan sweep" in said
     assert not list(parts.glob(".*"))
     done = {path.name: path.stat().st_mtime_ns for path in parts.iterdir()}

@@ -14,7 +14,7 @@ from harness.sweep.folder import PartitionError, RowsMismatchError, opened
 from harness.sweep.overview import overview
 from harness.sweep.partition import compute
 from harness.sweep.plan import SweepPlan
-from harness.sweep.reduction import Reduction, merged, reduced
+from harness.sweep.reduction import Reduction, merged, reduced, reduction_of
 from harness.sweep.run import run_sweep
 from tests.support.sweeps import carried_out, make_plan
 
@@ -52,6 +52,25 @@ def test_a_reduction_says_what_the_rows_say(tmp_path: Path, plan: SweepPlan) -> 
             low, high = extent.quantile(share)
             assert low <= np.sort(column)[int(share * len(column))] <= high
         assert extent.even.counts.sum() == len(column)
+
+
+def test_infinite_values_are_counted_and_change_no_other_number(plan: SweepPlan) -> None:
+    part = compute(plan, plan.span(0))
+    name = plan.quantities[0]
+    wild = part.copy()
+    wild.loc[[3, 5, 7], name] = [np.inf, -np.inf, np.nan]
+    tame = part.copy()
+    tame.loc[[3, 5, 7], name] = np.nan
+    drawing = drawing_of(plan)
+    one, other = (reduction_of(plan, each, drawing).extents[0] for each in (wild, tame))
+    assert (one.infinite, other.infinite) == (2, 0)
+    assert (one.count, one.total, one.squares) == (other.count, other.total, other.squares)
+    assert (one.low, one.low_row) == (other.low, other.low_row)
+    assert (one.high, one.high_row) == (other.high, other.high_row)
+    assert np.isfinite(one.deviation)
+    assert one.quantile(0.5) == other.quantile(0.5)
+    halves = [reduction_of(plan, wild[:25], drawing), reduction_of(plan, wild[25:], drawing)]
+    assert merged(plan, halves, drawing_of(plan)).extents[0].infinite == 2
 
 
 def test_the_figure_is_that_of_the_rows(plan: SweepPlan) -> None:

@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -11,9 +12,12 @@ from harness.cli.commands import app
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.core.report_model import Table
+from harness.core.verdict import Status
 from harness.studies.study import run_study
 from harness.studies.tolerance.delivered import delivered
-from harness.studies.tolerance.design import SUITES, knobs, usable_scenes
+from harness.studies.tolerance.design import SUITES, knobs, planned_ladder, usable_scenes
+from harness.studies.tolerance.figures import ladder_figures
+from harness.studies.tolerance.ladder import ToleranceLadder, by_setting
 from harness.studies.tolerance.study import ToleranceStudy
 
 TINY = replace(SUITES["quick"], scenes=("gentle-rock", "free-axial", "steady-rolling"), stride=5)
@@ -25,9 +29,9 @@ def test_integrators_follow_what_is_asked_of_them_or_work_to_round_off() -> None
     by_name = {(each.knob.name, each.scene.name): each for each in study.ladders(done)}
     assert {scene for _, scene in by_name} == {"gentle-rock", "steady-rolling"}
     steps = by_name["scipy DOP853", "gentle-rock"]
-    assert [asked for asked, _ in steps.known] == [1e-2, 1e-7, 1e-12]
+    assert [asked for asked, _ in steps.known] == [1e-3, 1e-8, 1e-13]
     coarse, _, fine = (error for _, error in steps.known)
-    assert 1e-5 < coarse < 1e-1
+    assert 1e-6 < coarse < 1e-2
     assert fine < 1e-11
     own = by_name["half-period", "gentle-rock"]
     assert own.verdict.text.startswith("always to round-off")
@@ -41,6 +45,55 @@ def test_a_scene_without_an_exact_motion_is_left_out_with_its_reason() -> None:
     scenes, left_out = usable_scenes(TINY)
     assert [scene.name for scene in scenes] == ["gentle-rock", "steady-rolling"]
     assert left_out == {"free-axial": "it has no exact motion"}
+
+
+def test_a_finer_value_waits_for_the_coarser_and_is_left_out_if_steps_grow_too_much() -> None:
+    suite = replace(TINY, stride=1, most_steps=1000.0)
+    scene = usable_scenes(suite)[0][0]
+    knob = next(knob for knob in knobs(("reference",), suite) if knob.name == "scipy RK45")
+    ladder, records = planned_ladder(knob, scene, suite, {}), {}
+    assert tuple(ladder.cases) == (1e-3, 1e-4, 1e-5, 1e-6)
+    assert ladder.unpaid == ()
+    taken = {1e-3: 100, 1e-4: 120, 1e-5: 150, 1e-6: 200, 1e-7: 400, 1e-8: 800}
+    for added in (1e-7, 1e-8):  # 800 steps, if they double again
+        records = {case: {"steps": taken[asked]} for asked, case in ladder.cases.items()}
+        ladder = planned_ladder(knob, scene, suite, records)
+        assert tuple(ladder.cases)[-1] == added
+    records = {case: {"steps": taken[asked]} for asked, case in ladder.cases.items()}
+    ladder = planned_ladder(knob, scene, suite, records)  # 1600 steps
+    assert tuple(ladder.cases) == tuple(taken)
+    assert ladder.unpaid == (1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
+
+
+def test_a_setting_that_cannot_be_run_or_paid_for_has_a_row_with_the_reason() -> None:
+    suite = replace(TINY, scenes=("gentle-rock", "friction-below"))
+    study = ToleranceStudy(suite=suite, engines=("reference",))
+    done = run_study(study)
+    told = {(each.knob.name, each.scene.name): each.verdict for each in study.ladders(done)}
+    assert told["half-period", "friction-below"].status is Status.NOT_MEASURED
+    assert "the rolling equations leave out" in told["half-period", "friction-below"].text
+    assert told["general equations", "friction-below"].text.startswith("always to round-off")
+    scene = usable_scenes(suite)[0][0]
+    knob = knobs(("reference",), suite)[0]
+    unpaid = ToleranceLadder(
+        knob=knob, scene=scene, measure="", floor=0.0, records={}, unpaid=(1e-3,)
+    )
+    assert unpaid.verdict.text == "not judged: no value can be paid for"
+    rows = next(a for a in study.report(done) if isinstance(a, Table) and a.name == "ladders")
+    assert len(rows.frame) == len(told)
+
+
+def test_an_error_of_exactly_zero_is_drawn_and_marked() -> None:
+    knob = knobs(("reference",), TINY)[0]
+    records = {v: {"error": e, "reason": ""} for v, e in ((1e-3, 1e-4), (1e-4, 0.0), (1e-5, None))}
+    one = ToleranceLadder(
+        knob=knob, scene=usable_scenes(TINY)[0][0], measure="", floor=1e-12, records=records
+    )
+    (figure,) = ladder_figures(by_setting([one]))
+    line, zeros, _ = figure.panels[0].series
+    assert line.y[:2].tolist() == [1e-4, 2.0**-52]
+    assert np.isnan(line.y[2])
+    assert (zeros.label, zeros.x.tolist()) == ("exactly zero", [1e-4])
 
 
 def test_a_motion_that_ends_otherwise_has_no_error() -> None:
@@ -59,8 +112,12 @@ def test_adaptive_steps_have_two_settings_and_the_error_is_that_of_the_turn() ->
     fine, coarse = (together.case(scene, eta).timestep for eta in (0.01, 0.1))
     assert fine is not None
     assert coarse == pytest.approx(10.0 * fine)
-    values = alone.values(scene, TINY)
+    values = alone.values(TINY)
     assert values == tuple(sorted(values, reverse=True))
+    ladder = planned_ladder(alone, scene, TINY, {})
+    assert (*ladder.cases, *ladder.unpaid) == values
+    assert ladder.cases
+    assert ladder.unpaid
     record = delivered(alone.case(scene, values[0]))
     assert 0.0 < record["error"] < 1e-2
 
