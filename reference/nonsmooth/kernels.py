@@ -32,7 +32,8 @@ from reference.equations.state_vector import (
     W3,
     Index,
 )
-from reference.nonsmooth.event_kernels import sampled
+from reference.nonsmooth.event_kernels import located, state_at
+from reference.nonsmooth.events import EventKind
 from reference.nonsmooth.hybrid_integrator import (
     EXTRAPOLATED,
     LONGEST,
@@ -66,6 +67,11 @@ _FLOOR, _LEAST_SLIP, _QUIET = FLOOR, LEAST_SLIP, QUIET
 _HEAD, _STOPPED = EXTRAPOLATED, STOPPED
 # Of the harmonics of a step, the share that the next one is to use.
 _USED = 0.9
+MAXIMUM, MINIMUM = (
+    tuple(EventKind).index(kind) for kind in (EventKind.MAXIMUM, EventKind.MINIMUM)
+)
+# How much longer the next step may be where a step leaves nothing but round-off.
+_MORE = 8.0
 _LONGEST, _NOISE, _RESOLVED, _SHARE, _SHORTEST = LONGEST, NOISE, RESOLVED, SHARE, SHORTEST
 
 
@@ -287,8 +293,8 @@ def march(
     last: Floats,
     limits: tuple[float, bool],
     most: tuple[int, int],
-    along: bool,
-) -> tuple[int, int, float, int, Floats, Floats, Floats]:
+    choices: tuple[bool, bool],
+) -> tuple[int, float, int, Floats, Floats, Floats, Floats, Floats]:
     """Take steps until something has to be looked at.
 
     Parameters
@@ -305,11 +311,13 @@ def march(
         The horizon, and whether the plane may pull.
     most : tuple of int
         Steps to take, and rounds to spend.
-    along : bool
+    choices : tuple of bool
+        Whether the place of the contact and the works are wanted, and whether an extremum of phi
+        has to be looked at; else it is reported.
 
     Returns
     -------
-    reason, count : int
+    reason : int
     length : float
         Of the step to try next.
     rounds : int
@@ -318,8 +326,16 @@ def march(
     series : ndarray, shape (count, 13, STAGES + 1)
     taken : ndarray, shape (count,)
         Lengths of the steps.
+    extrema : ndarray, shape (m, 15)
+        In which step, which kind of event, and the state there; without those of the last step
+        where that has to be looked at.
+    events : ndarray, shape (e, 2)
+        Of the last step.
     """
     capacity, budget = most
+    along, pauses = choices
+    extrema, seen = np.empty((2 * capacity, 2 + ROWS)), 0
+    column = np.empty((ROWS, 1))
     length, last_length, cut = lengths
     starts, taken = np.empty((capacity + 1, ROWS)), np.empty(capacity)
     series = np.empty((capacity, ROWS, STAGES + 1))
@@ -329,7 +345,7 @@ def march(
     arrays = change, trial, y, f, D, here
     starts[0], rounds, count, reason = start, 0, 0, GOES_ON
     polynomial, at, scale = last, cut, last_length
-    left = inf
+    left, events = inf, np.empty((0, 2))
     if laws[0]:
         left = _left_of_slip(E, laws, start, (D, here))
     while count < capacity and rounds < budget and reason == GOES_ON:
@@ -356,17 +372,29 @@ def march(
             for k in range(1, STAGES + 1, 2):
                 total += trial[i, k]
             starts[count + 1, i] = starts[count, i] + 2 * total
-        begun, _, looked_for = sampled(E, laws, starts[count], trial, limits)
-        if not begun or looked_for.any():
+        events = located(E, laws, starts[count], trial, limits)
+        for number in range(events.shape[0]):
+            kind = events[number, 0]
+            if pauses or not (kind == MINIMUM or kind == MAXIMUM):
+                reason = LOOK
+        if events.shape[0] > extrema.shape[0] - seen:
             reason = LOOK
+        if reason == GOES_ON:
+            for number in range(events.shape[0]):
+                state_at(starts[count], trial, events[number, 1], column)
+                extrema[seen, 0], extrema[seen, 1] = count, events[number, 0]
+                for i in range(ROWS):
+                    extrema[seen, 2 + i] = column[i, 0]
+                seen += 1
         count += 1
         grown = 0.9 * length * (_RESOLVED / max(tail, _NOISE)) ** (1 / STAGES)
         # a tail of round-off says that more is to be had: how much, the harmonics before it say
-        more = min(2.0, max(1.0, _USED * STAGES / present)) * length
+        more = min(_MORE, max(1.0, _USED * STAGES / present)) * length
         length = more if tail < _NOISE else min(grown, _LONGEST)
         if laws[0]:
             left = _left_of_slip(E, laws, starts[count], (D, here))
             speed = np.hypot(starts[count, U1], starts[count, U2])
             if reason == GOES_ON and (left <= _STOPPED or (speed <= _STOPPED and left < inf)):
                 reason = STOPS
-    return reason, count, length, rounds, starts[: count + 1], series[:count], taken[:count]
+    done = starts[: count + 1], series[:count], taken[:count]
+    return reason, length, rounds, done[0], done[1], done[2], extrema[:seen], events
