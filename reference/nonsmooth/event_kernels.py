@@ -13,9 +13,8 @@ from reference.equations.kernels import (
     FORCE,
     MOBILITY,
     MOMENT,
-    contact_at,
-    sticking_at,
-)
+    contact_of,
+    )
 from reference.equations.state_vector import LEAN, ROWS, TIME, U1, U2, W1, W2, W3
 from reference.nonsmooth.events import (
     BEGUN,
@@ -38,6 +37,18 @@ _BASIS = np.ascontiguousarray(basis_at(LOOKS).T)
 _AT_START, _BEYOND, _STILL, _BEGUN = AT_START, BEYOND, STILL, BEGUN
 _FLAT, _PUSHED, _LEAST_MOBILITY, _NEAR_ZERO = FLAT, FLAT_AND_PUSHED, LEAST_MOBILITY, NEAR_ZERO
 
+# Every so many places are looked at first, and all only where a margin of the contact is not as
+# far from zero at these as this share of what it changes: the polynomials of a step have no bend
+# between them that could come near to zero unseen.
+_COARSE, _CLEAR = 4, 0.5
+# phi' below this share of the turning is its round-off, and has no extrema.
+_NOISE = 2e-15
+
+Limits = tuple[float, bool]
+"""The horizon, and whether the plane may pull."""
+Contact = tuple[Floats, Floats]
+"""Arrays for a contact."""
+
 KINDS = tuple(EventKind)
 _AT = {kind: index for index, kind in enumerate(KINDS)}
 _MAXIMUM, _MINIMUM, _HORIZON = (
@@ -58,20 +69,10 @@ _IS_LIMIT = np.array([kind in LIMITS for kind in KINDS])
 
 
 @jit
-def margins_at(
-    E: Floats,
-    laws: Laws,
-    y: Floats,
-    limits: tuple[float, bool],
-    j: int,
-    D: Floats,
-    here: Floats,
-    out: Floats,
-) -> None:
-    """Write the margin of each event at column j of states to `out`; nan where there is none."""
+def _of_state(E: Floats, laws: Laws, y: Floats, limits: Limits, j: int, out: Floats) -> None:
+    """Write the margin of each event that needs the state alone to column j of `out`; else nan."""
     t_end, bilateral = limits
-    slips, turns, rests = laws
-    mu, drilling, resistance = E[15], E[16], E[17]
+    _, turns, rests = laws
     for k in range(out.shape[0]):
         out[k, j] = nan
     out[_OVERTURNED, j] = -y[LEAN, j]
@@ -79,10 +80,21 @@ def margins_at(
     out[_HORIZON, j] = t_end - y[TIME, j]
     if not rests:
         out[_MAXIMUM, j], out[_MINIMUM, j] = -y[W2, j], y[W2, j]
-    if not slips and drilling == 0 and resistance == 0:
-        sticking_at(E, y, j, here)
-    else:
-        contact_at(E, laws, y, j, D, here)
+    if E[16] > 0 and turns != 0:
+        T = np.exp(y[LEAN, j])
+        S, C = 2 * T / (1 + T * T), -np.tanh(y[LEAN, j])
+        out[_HELD, j] = turns * (S * y[W1, j] + C * y[W3, j])
+
+
+@jit
+def _of_contact(
+    E: Floats, laws: Laws, y: Floats, bilateral: bool, j: int, work: Contact, out: Floats
+) -> None:
+    """Write the margin of each event that needs the contact to column j of `out`."""
+    slips, turns, rests = laws
+    mu, drilling, resistance = E[15], E[16], E[17]
+    D, here = work
+    contact_of(E, laws, y, j, D, here)
     F1, F2, N = here[FORCE], here[FORCE + 1], here[FORCE + 2]
     if rests:
         limit = (1 + _BEYOND) * resistance * N
@@ -93,23 +105,20 @@ def margins_at(
         out[_JAMS, j] = here[MOBILITY] - _LEAST_MOBILITY
     if not slips and mu < inf:
         out[_SLIPS, j] = (1 + _BEYOND) * mu * N - np.hypot(F1, F2)
-    if drilling > 0 and turns != 0:
-        T = np.exp(y[LEAN, j])
-        S, C = 2 * T / (1 + T * T), -np.tanh(y[LEAN, j])
-        out[_HELD, j] = turns * (S * y[W1, j] + C * y[W3, j])
-    elif drilling > 0:
+    if drilling > 0 and turns == 0:
         out[_TURNS, j] = (1 + _BEYOND) * drilling * N - abs(here[MOMENT + 2])
 
 
 @jit
 def _sampled(
-    E: Floats, laws: Laws, start: Floats, series: Floats, limits: tuple[float, bool], values: Floats
+    E: Floats, laws: Laws, start: Floats, series: Floats, limits: Limits, values: Floats
 ) -> None:
     """Write the margins of a piece at all places at which it is looked at to `values`.
 
-    What begins with the piece has no direction there, and so no contact: nan.
+    What begins with the piece has no direction there, and so no contact: nan. So are margins that
+    need the contact where a few samples show all of them far from zero.
     """
-    n, slips, rests = _BASIS.shape[1], laws[0], laws[2]
+    n = _BASIS.shape[1]
     y = np.empty((ROWS, n))
     for i in range(ROWS):
         for j in range(n):
@@ -119,19 +128,49 @@ def _sampled(
                 y[i, j] += series[i, k] * _BASIS[k, j]
         for j in range(n):
             y[i, j] += start[i]
-    D, here = np.empty((10, 6)), np.empty(CONTACT_ROWS)
     for j in range(n):
-        margins_at(E, laws, y, limits, j, D, here, values)
-        begun = not slips or y[U1, j] != 0 or y[U2, j] != 0
-        if E[17] > 0 and not rests:
-            T = np.exp(y[LEAN, j])
-            S, C = 2 * T / (1 + T * T), -np.tanh(y[LEAN, j])
-            level = np.hypot(C * y[W1, j] - S * y[W3, j], y[W2, j])
-            begun &= level > _STILL * max(abs(y[W1, j]), abs(y[W2, j]), abs(y[W3, j]))
-        if not begun:
-            for kind in range(_IS_LIMIT.size):
-                if not _OF_THE_STATE[kind]:
-                    values[kind, j] = nan
+        _of_state(E, laws, y, limits, j, values)
+    # the least of |phi'| that is more than the round-off of the turning
+    turning, nutation = 0.0, 0.0
+    for j in range(n):
+        nutation = max(nutation, abs(y[W2, j]))
+        turning = max(turning, abs(y[W1, j]), abs(y[W3, j]))
+    if nutation <= _NOISE * turning:
+        values[_MAXIMUM], values[_MINIMUM] = nan, nan
+    work = np.empty((10, 6)), np.empty(CONTACT_ROWS)
+    clear = True
+    for j in range(0, n, _COARSE):
+        if _begun(E, laws, y, j):
+            _of_contact(E, laws, y, limits[1], j, work, values)
+        else:
+            clear = False
+    for kind in range(_IS_LIMIT.size):
+        least, largest = inf, -inf
+        if not _OF_THE_STATE[kind]:
+            for j in range(0, n, _COARSE):
+                least, largest = min(least, values[kind, j]), max(largest, values[kind, j])
+            clear &= isnan(values[kind, 0]) or least > _CLEAR * (largest - least)
+    if clear:
+        # none of them comes near to zero: nothing to be looked at more closely
+        for kind in range(_IS_LIMIT.size):
+            if not _OF_THE_STATE[kind]:
+                values[kind] = nan
+        return
+    for j in range(n):
+        if j % _COARSE != 0 and _begun(E, laws, y, j):
+            _of_contact(E, laws, y, limits[1], j, work, values)
+
+
+@jit
+def _begun(E: Floats, laws: Laws, y: Floats, j: int) -> bool:
+    """Return whether what moves has a direction, and so the contact a force."""
+    begun: bool = not laws[0] or y[U1, j] != 0 or y[U2, j] != 0
+    if E[17] > 0 and not laws[2]:
+        T = np.exp(y[LEAN, j])
+        S, C = 2 * T / (1 + T * T), -np.tanh(y[LEAN, j])
+        level = np.hypot(C * y[W1, j] - S * y[W3, j], y[W2, j])
+        begun &= level > _STILL * max(abs(y[W1, j]), abs(y[W2, j]), abs(y[W3, j]))
+    return begun
 
 
 @jit
@@ -152,7 +191,7 @@ def _bracket(
     laws: Laws,
     start: Floats,
     series: Floats,
-    limits: tuple[float, bool],
+    limits: Limits,
     v: Floats,
     kind: int,
     brackets: Floats,
@@ -203,7 +242,7 @@ def _zero(
     laws: Laws,
     start: Floats,
     series: Floats,
-    limits: tuple[float, bool],
+    limits: Limits,
     kind: int,
     left: float,
     right: float,
@@ -247,20 +286,23 @@ def _margin(
     laws: Laws,
     start: Floats,
     series: Floats,
-    limits: tuple[float, bool],
+    limits: Limits,
     kind: int,
     c: float,
 ) -> float:
     """Return the margin of an event at one place of a piece."""
     y, out = np.empty((ROWS, 1)), np.empty((_IS_LIMIT.size, 1))
     state_at(start, series, c, y)
-    margins_at(E, laws, y, limits, 0, np.empty((10, 6)), np.empty(CONTACT_ROWS), out)
+    _of_state(E, laws, y, limits, 0, out)
+    if not _OF_THE_STATE[kind]:
+        work = np.empty((10, 6)), np.empty(CONTACT_ROWS)
+        _of_contact(E, laws, y, limits[1], 0, work, out)
     return float(out[kind, 0])
 
 
 @jit
 def located(
-    E: Floats, laws: Laws, start: Floats, series: Floats, limits: tuple[float, bool]
+    E: Floats, laws: Laws, start: Floats, series: Floats, limits: Limits
 ) -> Floats:
     """Return the events of a piece in order, each with its kind and its place, shape (n, 2)."""
     n = _LOOKS.size

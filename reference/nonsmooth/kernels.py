@@ -13,10 +13,9 @@ import numpy as np
 from reference.equations.compiled_equations import Laws
 from reference.equations.kernels import (
     CONTACT_ROWS,
-    contact_at,
+    contact_of,
     rates_at,
-    sticking_at,
-)
+    )
 from reference.equations.state_vector import (
     FLOOR,
     LEAN,
@@ -35,7 +34,6 @@ from reference.equations.state_vector import (
 from reference.nonsmooth.event_kernels import located, state_at
 from reference.nonsmooth.events import EventKind
 from reference.nonsmooth.hybrid_integrator import (
-    EXTRAPOLATED,
     LONGEST,
     NOISE,
     QUIET,
@@ -64,7 +62,7 @@ _TO_COEFFICIENTS = np.ascontiguousarray(to_coefficients()[:, 1:].T)
 _POINTS = points()
 _STANDS, _ALMOST, _HOPELESS, _LEAST = STANDS, ALMOST, HOPELESS, LEAST
 _FLOOR, _LEAST_SLIP, _QUIET = FLOOR, LEAST_SLIP, QUIET
-_HEAD, _STOPPED = EXTRAPOLATED, STOPPED
+_STOPPED = STOPPED
 # Of the harmonics of a step, the share that the next one is to use.
 _USED = 0.9
 MAXIMUM, MINIMUM = (
@@ -93,7 +91,7 @@ def extrapolated(series: Floats, cut: float, ratio: float, out: Floats) -> None:
     for j in range(STAGES):
         x = 2 * (cut + ratio * _POINTS[j]) - 1
         before, wave, before_0, wave_0 = 1.0, x, 1.0, origin
-        for k in range(1, _HEAD):
+        for k in range(1, STAGES + 1):
             for i in range(ROWS):
                 out[i, j] += series[i, k] * (wave - wave_0)
             before, wave = wave, 2 * x * wave - before
@@ -110,13 +108,9 @@ def _evaluate(
     along: bool,
 ) -> None:
     """Write the rates of states to f."""
-    freely = not laws[0] and E[16] == 0 and E[17] == 0
     D, here = work
     for j in range(y.shape[1]):
-        if freely:
-            sticking_at(E, y, j, here)
-        else:
-            contact_at(E, laws, y, j, D, here)
+        contact_of(E, laws, y, j, D, here)
         rates_at(E, laws, y, j, here, f, along)
 
 

@@ -8,7 +8,7 @@ from math import isinf, isnan
 
 import numpy as np
 
-from reference.equations.kernels import CONTACT_ROWS, FORCE, contact_at, sticking_at
+from reference.equations.kernels import CONTACT_ROWS, FORCE, contact_of
 from reference.equations.state_vector import (
     LEAN,
     PSI,
@@ -124,10 +124,11 @@ def states_of(E: Floats, slips: Index, turns: Index, y: Floats) -> Floats:
         phi, phi', psi, psi', theta, theta', spin, slip and force in the world.
     """
     out, D, here = np.empty((12, y.shape[1])), np.empty((10, 6)), np.empty(CONTACT_ROWS)
+    rests = slips.size < 0  # a variable: a constant would be a type of its own, compiled again
     for j in range(y.shape[1]):
         T = np.exp(y[LEAN, j])
         S, C = 2 * T / (1 + T * T), -np.tanh(y[LEAN, j])
-        contact_at(E, (slips[j] != 0, turns[j], False), y, j, D, here)
+        contact_of(E, (slips[j] != 0, turns[j], rests), y, j, D, here)
         psi, psi_dot = y[PSI, j], y[W1, j] / S
         cosine, sine = np.cos(psi), np.sin(psi)
         u1, u2 = y[U1, j] * slips[j], y[U2, j] * slips[j]
@@ -153,10 +154,8 @@ def _measured(E: Floats, of: Pieces, piece: int, c: float, work: Work, out: Floa
     state_at(starts[piece], series[piece], c, y)
     T = np.exp(y[LEAN, 0])
     out[0] = y[W1, 0] * (1 + T * T) / (2 * T)
-    if slips[piece] == 0 and E[16] == 0:
-        sticking_at(E, y, 0, here)
-    else:
-        contact_at(E, (slips[piece] != 0, turns[piece], False), y, 0, D, here)
+    rests = E.size < 0
+    contact_of(E, (slips[piece] != 0, turns[piece], rests), y, 0, D, here)
     friction, N = np.hypot(here[FORCE], here[FORCE + 1]), here[FORCE + 2]
     out[1] = friction / N if N > 0 or isnan(N) else np.inf
 
