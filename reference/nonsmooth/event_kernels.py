@@ -1,6 +1,7 @@
 """Kernels of the hybrid integrator: the events of a piece.
 
-The quantities and rules of `reference.nonsmooth.events`, in numbers instead of arrays. Imported where a caller asks for compiled code.
+The quantities and rules of `reference.nonsmooth.events`, in numbers instead of arrays.
+Imported where a caller asks for compiled code.
 """
 
 from math import inf, isnan, nan
@@ -14,7 +15,7 @@ from reference.equations.kernels import (
     MOBILITY,
     MOMENT,
     contact_of,
-    )
+)
 from reference.equations.state_vector import LEAN, ROWS, TIME, U1, U2, W1, W2, W3
 from reference.nonsmooth.events import (
     BEGUN,
@@ -269,7 +270,7 @@ def _zero(
         a, fa = x, fx
         nearest = a if abs(fa) < abs(fb) else b
         tolerance = (_NEAREST * (1 + abs(nearest))) / abs(b - a)
-        if tolerance > 0.5 or fa == 0:
+        if 2 * tolerance > 1 or fa == 0:
             return nearest
         share = 0.5
         xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
@@ -293,17 +294,17 @@ def _margin(
     """Return the margin of an event at one place of a piece."""
     y, out = np.empty((ROWS, 1)), np.empty((_IS_LIMIT.size, 1))
     state_at(start, series, c, y)
-    _of_state(E, laws, y, limits, 0, out)
+    # a variable: of a constant everything would be compiled once more
+    only = out.shape[1] - 1
+    _of_state(E, laws, y, limits, only, out)
     if not _OF_THE_STATE[kind]:
         work = np.empty((10, 6)), np.empty(CONTACT_ROWS)
-        _of_contact(E, laws, y, limits[1], 0, work, out)
+        _of_contact(E, laws, y, limits[1], only, work, out)
     return float(out[kind, 0])
 
 
 @jit
-def located(
-    E: Floats, laws: Laws, start: Floats, series: Floats, limits: Limits
-) -> Floats:
+def located(E: Floats, laws: Laws, start: Floats, series: Floats, limits: Limits) -> Floats:
     """Return the events of a piece in order, each with its kind and its place, shape (n, 2)."""
     n = _LOOKS.size
     values, found, brackets = np.empty((_IS_LIMIT.size, n)), np.empty((4 * n, 2)), np.empty((n, 2))

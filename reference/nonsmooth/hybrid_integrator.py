@@ -77,6 +77,9 @@ ROUNDS_A_UPDATE = 4
 EXTRAPOLATED = 8
 # Steps that compiled code takes before it reports them.
 STEPS_A_MARCH = 32
+# Basis of a step at the first of its points, and all rows.
+FIRST_POINT = basis(points()[:1])[0]
+ALL = np.arange(ROWS)
 EXTREMA = (EventKind.MAXIMUM, EventKind.MINIMUM)
 ENDINGS = {
     EventKind.HORIZON: Outcome.FINISHED,
@@ -179,8 +182,11 @@ class HybridIntegrator:
 
     def _march(self) -> bool:
         """Take steps of compiled equations by fixed point; return whether any was taken."""
-        if not isinstance(self._equations, CompiledEquations) or self._now.at_once:
-            # a slip that begins has its direction tied to its friction, which is Newton's
+        now = self._now
+        if not isinstance(self._equations, CompiledEquations) or (
+            now.at_once and (self._equations.resistance > 0 or self._equations.drilling > 0)
+        ):
+            # what begins against several laws at once is for Newton's method
             return False
         most = self._most_work() - self._evaluations
         if most < 0:
@@ -188,8 +194,8 @@ class HybridIntegrator:
         from reference.nonsmooth import kernels
 
         equations, mode, resisted = self._equations, self._mode, self._equations.resistance > 0
-        last = self._pieces[-1] if self._pieces else None
-        if last is not None and last.mode == mode and last.length > 0:
+        last, before = self._pieces[-1] if self._pieces else None, self._length
+        if not now.at_once and last is not None and last.mode == mode and last.length > 0:
             polynomial, scale, cut = last.coefficients, last.length, last.cut
         else:
             scale, cut = self._length, 0.0
@@ -202,10 +208,13 @@ class HybridIntegrator:
             (min(self._length, self._left()) if resisted else self._length, scale, cut),
             polynomial,
             (self.watch.t_end, equations.bilateral_normal),
-            (1 if resisted else STEPS_A_MARCH, most // STAGES + 1),
-            (self._locus, self._counts),
+            (1 if resisted or now.at_once else STEPS_A_MARCH, most // STAGES + 1),
+            (self._locus, self._counts, now.at_once),
         )
         self._evaluations += rounds * STAGES
+        if now.at_once and (not len(taken) or not self._sets_out(series[0] @ FIRST_POINT, ALL)):
+            self._length = before
+            return False
         reported, count = iter(extrema.tolist()), len(taken)
         extremum = next(reported, None)
         for number, length in enumerate(taken.tolist()):
@@ -216,7 +225,7 @@ class HybridIntegrator:
                 length=length,
                 mode=mode,
             )
-            if resisted or (reason == kernels.LOOK and number == count - 1):
+            if resisted or now.at_once or (reason == kernels.LOOK and number == count - 1):
                 self._see(piece, compiled_events(met))
                 return True
             self._pieces.append(piece)

@@ -154,8 +154,9 @@ def _measured(E: Floats, of: Pieces, piece: int, c: float, work: Work, out: Floa
     state_at(starts[piece], series[piece], c, y)
     T = np.exp(y[LEAN, 0])
     out[0] = y[W1, 0] * (1 + T * T) / (2 * T)
-    rests = E.size < 0
-    contact_of(E, (slips[piece] != 0, turns[piece], rests), y, 0, D, here)
+    # variables: of constants everything would be compiled once more
+    rests, only = E.size < 0, y.shape[1] - 1
+    contact_of(E, (slips[piece] != 0, turns[piece], rests), y, only, D, here)
     friction, N = np.hypot(here[FORCE], here[FORCE + 1]), here[FORCE + 2]
     out[1] = friction / N if N > 0 or isnan(N) else np.inf
 
