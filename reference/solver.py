@@ -232,6 +232,7 @@ def solve(
             run.path,
             run.track,
             problem.parameters,
+            known=run.peaks,
             sliding=solved_by == "frictionless",
             symmetric=not problem.effects.declared(),
         )

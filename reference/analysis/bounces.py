@@ -1,6 +1,6 @@
 """Measurement of the bounces of a motion."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import TypeAlias
 
@@ -32,6 +32,7 @@ def measure_bounces(
     track: Extrema,
     parameters: Parameters,
     *,
+    known: Floats | None = None,
     sliding: bool = False,
     symmetric: bool = True,
 ) -> tuple[Bounce, ...]:
@@ -42,6 +43,8 @@ def measure_bounces(
     path : Path
     track : Extrema
     parameters : Parameters
+    known : ndarray, shape (2, bounces), or None
+        The peaks, where an integrator has measured them (`reference.smooth.extrema.Run`).
     sliding : bool
         Whether the plane is without friction, so that there is no force to ask for.
     symmetric : bool
@@ -54,7 +57,10 @@ def measure_bounces(
     def ratio(states: States) -> Floats:
         return np.zeros_like(states.phi) if sliding else friction_ratio(states, parameters)
 
-    if isinstance(path, MirroredPath):
+    peaks: Sequence[Floats] | Floats
+    if known is not None:
+        peaks = known
+    elif isinstance(path, MirroredPath):
         # a bounce is a half and its mirror image, all of them the same
         times, states = path.half.nodes()
         peaks = [

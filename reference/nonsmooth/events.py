@@ -104,9 +104,12 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
     t_end : float
         The horizon.
     """
-    sifted = _sifted(piece, equations, t_end)
-    if sifted is not None:
-        return sifted
+    if isinstance(equations, CompiledEquations):
+        from reference.nonsmooth import event_kernels
+
+        limits = t_end, equations.bilateral_normal
+        of_piece = laws_of(piece.mode), piece.start, piece.coefficients
+        return compiled_events(event_kernels.located(equations.constants, *of_piece, limits))
     looks, y = np.array(LOOKS), piece.looked_at(LOOKS)
     begun = np.ones(looks.size, dtype=bool)
     if piece.mode.slips:
@@ -133,27 +136,10 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
     return sorted(met, key=lambda event: event.c)
 
 
-def _sifted(piece: Segment, equations: Equations, t_end: float) -> list[Event] | None:
-    """Return the events of a piece of compiled equations; None if it begins without a direction."""
-    if not isinstance(equations, CompiledEquations):
-        return None
-    from reference.nonsmooth import event_kernels
-
-    of_piece = equations.constants, laws_of(piece.mode), piece.start, piece.coefficients
-    limits = t_end, equations.bilateral_normal
-    begun, values, looked_for = event_kernels.sampled(*of_piece, limits)
-    if not begun:
-        return None
-    met = []
-    for index in np.flatnonzero(looked_for).tolist():
-        what = event_kernels.KINDS[index]
-
-        def one(c: float, index: int = index) -> float:
-            return float(event_kernels.margin_of(*of_piece, limits, index, c))
-
-        roots = _zeros(what, one, np.array(LOOKS), values[index])
-        met += [Event(c=c, what=what) for c in roots]
-    return sorted(met, key=lambda event: event.c)
+def compiled_events(located: Floats) -> list[Event]:
+    """Return events of compiled code, each with the index of its kind and its place."""
+    kinds = tuple(EventKind)
+    return [Event(c=c, what=kinds[int(index)]) for index, c in located.tolist()]
 
 
 def _zeros(

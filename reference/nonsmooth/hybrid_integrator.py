@@ -25,7 +25,7 @@ from reference.equations.state_vector import (
     sizes,
     snapshot_of,
 )
-from reference.nonsmooth.events import Event, EventKind, events
+from reference.nonsmooth.events import Event, EventKind, compiled_events, events
 from reference.nonsmooth.level_spin import HARDLY, level_turning, stands
 from reference.nonsmooth.radau_iia import (
     STAGES,
@@ -77,6 +77,9 @@ ROUNDS_A_UPDATE = 4
 EXTRAPOLATED = 8
 # Steps that compiled code takes before it reports them.
 STEPS_A_MARCH = 32
+# Basis of a step at the first of its points, and all rows.
+FIRST_POINT = basis(points()[:1])[0]
+ALL = np.arange(ROWS)
 EXTREMA = (EventKind.MAXIMUM, EventKind.MINIMUM)
 ENDINGS = {
     EventKind.HORIZON: Outcome.FINISHED,
@@ -93,6 +96,7 @@ class HybridIntegrator:
     def __init__(self, problem: Problem, equations: Equations, *, locus: bool) -> None:
         self._equations = equations
         self._locus = locus
+        self._counts = problem.bounces is not None
         self._compiled = isinstance(equations, CompiledEquations)
         self._y = released(problem)
         self._length = FIRST
@@ -119,13 +123,15 @@ class HybridIntegrator:
             if piece is None:
                 self.watch.end(float(self._y[TIME]), self._stuck())
                 break
-            self._see(piece)
+            self._see(piece, events(piece, self._equations, self.watch.t_end))
         path = SegmentsPath(self._pieces or [self._standing()], self._equations, locus=self._locus)
         track = self.watch.track()
         there = path.at(track.times)
         extrema = replace(track.extrema, x=there.x, y=there.y, slip=there.slip, force=there.force)
+        tops = np.flatnonzero(track.maximum)
         return Run(
             path=path,
+            peaks=path.peaks(track.times, tops) if tops.size > 1 else None,
             track=replace(track, extrema=extrema),
             steps=len(self._pieces),
             evaluations=self._evaluations,
@@ -176,8 +182,11 @@ class HybridIntegrator:
 
     def _march(self) -> bool:
         """Take steps of compiled equations by fixed point; return whether any was taken."""
-        if not isinstance(self._equations, CompiledEquations) or self._now.at_once:
-            # a slip that begins has its direction tied to its friction, which is Newton's
+        now = self._now
+        if not isinstance(self._equations, CompiledEquations) or (
+            now.at_once and (self._equations.resistance > 0 or self._equations.drilling > 0)
+        ):
+            # what begins against several laws at once is for Newton's method
             return False
         most = self._most_work() - self._evaluations
         if most < 0:
@@ -185,13 +194,13 @@ class HybridIntegrator:
         from reference.nonsmooth import kernels
 
         equations, mode, resisted = self._equations, self._mode, self._equations.resistance > 0
-        last = self._pieces[-1] if self._pieces else None
-        if last is not None and last.mode == mode and last.length > 0:
+        last, before = self._pieces[-1] if self._pieces else None, self._length
+        if not now.at_once and last is not None and last.mode == mode and last.length > 0:
             polynomial, scale, cut = last.coefficients, last.length, last.cut
         else:
             scale, cut = self._length, 0.0
             polynomial = coefficients(self._guess(scale))
-        reason, count, self._length, rounds, starts, series, taken = kernels.march(
+        reason, self._length, rounds, starts, series, taken, extrema, met = kernels.march(
             equations.constants,
             laws_of(mode),
             self._y,
@@ -199,10 +208,15 @@ class HybridIntegrator:
             (min(self._length, self._left()) if resisted else self._length, scale, cut),
             polynomial,
             (self.watch.t_end, equations.bilateral_normal),
-            (1 if resisted else STEPS_A_MARCH, most // STAGES + 1),
-            self._locus,
+            (1 if resisted or now.at_once else STEPS_A_MARCH, most // STAGES + 1),
+            (self._locus, self._counts, now.at_once),
         )
         self._evaluations += rounds * STAGES
+        if now.at_once and (not len(taken) or not self._sets_out(series[0] @ FIRST_POINT, ALL)):
+            self._length = before
+            return False
+        reported, count = iter(extrema.tolist()), len(taken)
+        extremum = next(reported, None)
         for number, length in enumerate(taken.tolist()):
             piece = Segment(
                 start=starts[number],
@@ -211,10 +225,13 @@ class HybridIntegrator:
                 length=length,
                 mode=mode,
             )
-            if resisted or (reason == kernels.LOOK and number == count - 1):
-                self._see(piece)
+            if resisted or now.at_once or (reason == kernels.LOOK and number == count - 1):
+                self._see(piece, compiled_events(met))
                 return True
             self._pieces.append(piece)
+            while extremum is not None and extremum[0] == number:
+                self._report(np.array(extremum[2:]), maximum=extremum[1] == kernels.MAXIMUM)
+                extremum = next(reported, None)
             self._y = starts[number + 1]
             self.watch.advance(float(self._y[TIME]), phi_of(float(self._y[LEAN])))
             if self.watch.ended():
@@ -293,34 +310,38 @@ class HybridIntegrator:
             return np.asarray(head @ (ahead - here).T)
         return straight_on(self._equations, self._y, now, c)
 
-    def _see(self, piece: Segment) -> None:
+    def _see(self, piece: Segment, met: list[Event]) -> None:
         """Report a step up to its first event, and continue from there."""
         cut, ending = 1.0, None
-        for event in events(piece, self._equations, self.watch.t_end):
+        for event in met:
             if event.what in EXTREMA:
                 y = self._state_at(piece, event.c)
-                self.watch.extremum(
-                    float(y[TIME]), snapshot_of(y), maximum=event.what is EventKind.MAXIMUM
-                )
+                self._report(y, maximum=event.what is EventKind.MAXIMUM)
             else:
                 ending = event
             if ending is not None or self.watch.ended():
                 cut = event.c
                 break
-        piece = replace(piece, cut=cut)
+        if cut != 1.0:
+            piece = replace(piece, cut=cut)
         self._pieces.append(piece)
         self._y, self._now = piece.end, ModeTransition(mode=self._mode)
         self._switch(ending)
         if not self.watch.ended():
             self.watch.advance(float(self._y[TIME]), snapshot_of(self._y).phi)
 
+    def _report(self, y: Floats, *, maximum: bool) -> None:
+        self.watch.extremum(float(y[TIME]), snapshot_of(y), maximum=maximum)
+
     def _state_at(self, piece: Segment, c: float) -> Floats:
         """Return the state, shape (13,), at one place of a step."""
         if not self._compiled:
             return piece.at(np.array([c]))[:, 0]
-        from reference.nonsmooth import path_kernels
+        from reference.nonsmooth import event_kernels
 
-        return path_kernels.state_at(piece.start, piece.coefficients, c)
+        column = np.empty((ROWS, 1))
+        event_kernels.state_at(piece.start, piece.coefficients, c, column)
+        return column[:, 0]
 
     def _switch(self, event: Event | None) -> None:
         """Change the law or end the motion, at an event."""
@@ -356,7 +377,7 @@ class HybridIntegrator:
         after = 0.0 if roll is None else float(np.sin(roll.angle))
         if not self.watch.ended() and np.sign(before) != np.sign(after):
             maximum = before < 0 or (before == 0 and after > 0)
-            self.watch.extremum(float(self._y[TIME]), snapshot_of(self._y), maximum=maximum)
+            self._report(self._y, maximum=maximum)
 
     def _go_on(self, now: ModeTransition) -> None:
         """Continue with a transition, or end the motion."""

@@ -13,9 +13,10 @@ import numpy as np
 from reference.equations.compiled_equations import Laws
 from reference.equations.kernels import (
     CONTACT_ROWS,
-    contact_at,
+    SLIPPING,
+    contact_of,
     rates_at,
-    sticking_at,
+    slipping_at,
 )
 from reference.equations.state_vector import (
     FLOOR,
@@ -32,9 +33,9 @@ from reference.equations.state_vector import (
     W3,
     Index,
 )
-from reference.nonsmooth.event_kernels import sampled
+from reference.nonsmooth.event_kernels import located, state_at
+from reference.nonsmooth.events import EventKind
 from reference.nonsmooth.hybrid_integrator import (
-    EXTRAPOLATED,
     LONGEST,
     NOISE,
     QUIET,
@@ -48,6 +49,7 @@ from reference.nonsmooth.radau_iia import (
     LEAST,
     STAGES,
     STANDS,
+    STEP,
     integrator,
     points,
     to_coefficients,
@@ -58,14 +60,23 @@ from reference.problem.states import Floats
 
 # Rounds after which a fixed point is given up, and after which each must gain a factor of two.
 _MOST, _PATIENCE = 30, 8
+# A round of a stiff slip that leaves more than this of the last one's change is worth a new matrix.
+_SLOWLY = 0.3
+# Halvings of a step with a stiff slip before Newton's method for all has to take it.
+_MOST_SHORTER = 4
+# Imaginary step of a slip, over its speed: nothing is subtracted.
+_STEP = STEP
 _INTEGRATOR = np.ascontiguousarray(integrator().T)
 _TO_COEFFICIENTS = np.ascontiguousarray(to_coefficients()[:, 1:].T)
 _POINTS = points()
 _STANDS, _ALMOST, _HOPELESS, _LEAST = STANDS, ALMOST, HOPELESS, LEAST
 _FLOOR, _LEAST_SLIP, _QUIET = FLOOR, LEAST_SLIP, QUIET
-_HEAD, _STOPPED = EXTRAPOLATED, STOPPED
+_STOPPED = STOPPED
 # Of the harmonics of a step, the share that the next one is to use.
 _USED = 0.9
+MAXIMUM, MINIMUM = (tuple(EventKind).index(kind) for kind in (EventKind.MAXIMUM, EventKind.MINIMUM))
+# How much longer the next step may be where a step leaves nothing but round-off.
+_MORE = 8.0
 _LONGEST, _NOISE, _RESOLVED, _SHARE, _SHORTEST = LONGEST, NOISE, RESOLVED, SHARE, SHORTEST
 
 
@@ -87,7 +98,7 @@ def extrapolated(series: Floats, cut: float, ratio: float, out: Floats) -> None:
     for j in range(STAGES):
         x = 2 * (cut + ratio * _POINTS[j]) - 1
         before, wave, before_0, wave_0 = 1.0, x, 1.0, origin
-        for k in range(1, _HEAD):
+        for k in range(1, STAGES + 1):
             for i in range(ROWS):
                 out[i, j] += series[i, k] * (wave - wave_0)
             before, wave = wave, 2 * x * wave - before
@@ -104,13 +115,9 @@ def _evaluate(
     along: bool,
 ) -> None:
     """Write the rates of states to f."""
-    freely = not laws[0] and E[16] == 0 and E[17] == 0
     D, here = work
     for j in range(y.shape[1]):
-        if freely:
-            sticking_at(E, y, j, here)
-        else:
-            contact_at(E, laws, y, j, D, here)
+        contact_of(E, laws, y, j, D, here)
         rates_at(E, laws, y, j, here, f, along)
 
 
@@ -126,6 +133,63 @@ def _integrate(f: Floats, i: int, length: float, out: Floats) -> None:
 
 
 @jit
+def _slip_matrix(E: Floats, y: Floats, length: float, matrix: Floats) -> None:
+    """Write I - h A J of the slips at the points, J by imaginary steps, to a matrix (32, 32)."""
+    column, here = np.empty((ROWS, 1), np.complex128), np.empty(CONTACT_ROWS, np.complex128)
+    for k in range(STAGES):
+        shift = _STEP * np.hypot(y[U1, k], y[U2, k])
+        for of in range(2):
+            for i in range(ROWS):
+                column[i, 0] = y[i, k]
+            column[U1 + of, 0] += 1j * shift
+            slipping_at(E, column, column.shape[1] - 1, here)
+            for by in range(2):
+                rate = here[SLIPPING + by].imag / shift
+                if by != of:
+                    rate += y[W1, k] if by == 0 else -y[W1, k]
+                for j in range(STAGES):
+                    matrix[2 * j + by, 2 * k + of] = -length * _INTEGRATOR[k, j] * rate
+    for i in range(2 * STAGES):
+        matrix[i, i] += 1.0
+
+
+@jit
+def _factor(matrix: Floats, order: Index) -> None:
+    """Factor a matrix in place, with exchange of rows in an order that is written."""
+    n = order.size
+    for i in range(n):
+        pivot = i
+        for below in range(i + 1, n):
+            if abs(matrix[below, i]) > abs(matrix[pivot, i]):
+                pivot = below
+        order[i] = pivot
+        if pivot != i:
+            for k in range(n):
+                matrix[i, k], matrix[pivot, k] = matrix[pivot, k], matrix[i, k]
+        for below in range(i + 1, n):
+            matrix[below, i] /= matrix[i, i]
+            factor = matrix[below, i]
+            for k in range(i + 1, n):
+                matrix[below, k] -= factor * matrix[i, k]
+
+
+@jit
+def _solve(matrix: Floats, order: Index, b: Floats) -> None:
+    """Solve a factored system in place."""
+    n = order.size
+    for i in range(n):
+        pivot = order[i]
+        b[i], b[pivot] = b[pivot], b[i]
+    for i in range(n):
+        for k in range(i):
+            b[i] -= matrix[i, k] * b[k]
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            b[i] -= matrix[i, k] * b[k]
+        b[i] /= matrix[i, i]
+
+
+@jit
 def collocate(
     E: Floats,
     laws: Laws,
@@ -133,9 +197,13 @@ def collocate(
     core: Index,
     length: float,
     arrays: tuple[Floats, Floats, Floats, Floats, Floats, Floats],
-    along: bool,
+    choices: tuple[bool, bool],
 ) -> int:
     """Take a step by fixed point, and return its rounds; negative where it does not converge.
+
+    The friction of a slow slip turns with it: where that is stiff the slip alone is found by
+    Newton's method in each round, 32 unknowns with a matrix that is kept while it converges, and
+    all that is not stiff goes on by fixed point.
 
     Parameters
     ----------
@@ -148,9 +216,14 @@ def collocate(
     arrays : tuple of ndarray
         The change at the points, shape (13, STAGES), first a guess and then the result; its
         coefficients, shape (13, STAGES + 1); and work space.
-    along : bool
-        Whether the place of the contact and the works are wanted.
+    choices : tuple of bool
+        Whether the place of the contact and the works are wanted, and whether the slip is stiff.
     """
+    along, stiff = choices
+    n = 2 * STAGES if stiff else 0
+    matrix, order, residual = np.empty((n, n)), np.empty(n, np.int64), np.empty(n)
+    patience = 2 * _PATIENCE if stiff else _PATIENCE
+    slow = True
     change, series, y, f, D, here = arrays
     work, size = (D, here), np.empty(ROWS)
     before, stands, rounds = inf, False, 0
@@ -161,21 +234,37 @@ def collocate(
             for j in range(STAGES):
                 y[i, j] = start[i] + change[i, j]
         _sizes(y, size)
-        _evaluate(E, laws, y, f, work, False)
+        _evaluate(E, laws, y, f, work, stands)
+        if stiff:
+            if slow:
+                _slip_matrix(E, y, length, matrix)
+                _factor(matrix, order)
+            for j in range(STAGES):
+                for i in range(2):
+                    total = change[U1 + i, j]
+                    for k in range(STAGES):
+                        total -= length * _INTEGRATOR[k, j] * f[U1 + i, k]
+                    residual[2 * j + i] = total
+            _solve(matrix, order, residual)
         # what is known of the turning is used at once for what follows from it
-        for i in (W1, W2, W3, U1, U2):
-            _integrate(f, i, length, y)
+        for i in range(W1, U2 + 1):
+            if i <= W3 or (i >= U1 and not stiff):
+                _integrate(f, i, length, y)
+        if stiff:
+            for j in range(STAGES):
+                for i in range(2):
+                    y[U1 + i, j] = change[U1 + i, j] - residual[2 * j + i]
         for j in range(STAGES):
             f[LEAN, j], f[PSI, j] = -(start[W2] + y[W2, j]), start[W1] + y[W1, j]
-        _integrate(f, LEAN, length, y)
-        _integrate(f, PSI, length, y)
+        for i in range(LEAN, PSI + 1, PSI - LEAN):
+            _integrate(f, i, length, y)
         for j in range(STAGES):
             T = np.exp(start[LEAN] + y[LEAN, j])
             S = 2 * T / (1 + T * T)
             f[TIME, j] = S
             f[TOTAL, j] = S * (start[W3] + y[W3, j] + T * f[PSI, j])
-        _integrate(f, TOTAL, length, y)
-        _integrate(f, TIME, length, y)
+        for i in range(TOTAL, TIME + 1):
+            _integrate(f, i, length, y)
         moved = 0.0
         for i in core:
             for j in range(STAGES):
@@ -183,9 +272,10 @@ def collocate(
                 if apart > moved or isnan(apart):
                     moved = apart
         change[: U2 + 1] = y[: U2 + 1]
-        if not moved < _HOPELESS or (rounds > _PATIENCE and moved > before / 2 > _ALMOST):
+        if not moved < _HOPELESS or (rounds > patience and moved > before / 2 > _ALMOST):
             return -rounds
         stands = moved < _STANDS or (moved < _ALMOST and moved > before / 2)
+        slow = rounds == 1 or moved > _SLOWLY * before
         before = moved
     if not stands:
         return -rounds
@@ -193,7 +283,7 @@ def collocate(
         for i in range(ROWS):
             for j in range(STAGES):
                 y[i, j] = start[i] + change[i, j]
-        _evaluate(E, laws, y, f, work, True)
+        _evaluate(E, laws, y, f, work, along)
         for i in range(U2 + 1, ROWS):
             _integrate(f, i, length, y)
         change[U2 + 1 :] = y[U2 + 1 :]
@@ -271,7 +361,7 @@ def _left_of_slip(E: Floats, laws: Laws, y: Floats, work: tuple[Floats, Floats])
     """Return sigma until a slip stops at its rate, as `stopping.left_of_slip`."""
     column, f = np.empty((ROWS, 1)), np.empty((ROWS, 1))
     column[:, 0] = y
-    _evaluate(E, laws, column, f, work, False)
+    _evaluate(E, laws, column, f, work, y.size < 0)
     speed = np.hypot(y[U1], y[U2])
     slowing = -(y[U1] * f[U1, 0] + y[U2] * f[U2, 0]) / speed
     return float(speed / slowing) if slowing > 0 else inf
@@ -287,8 +377,8 @@ def march(
     last: Floats,
     limits: tuple[float, bool],
     most: tuple[int, int],
-    along: bool,
-) -> tuple[int, int, float, int, Floats, Floats, Floats]:
+    choices: tuple[bool, bool, bool],
+) -> tuple[int, float, int, Floats, Floats, Floats, Floats, Floats]:
     """Take steps until something has to be looked at.
 
     Parameters
@@ -305,11 +395,13 @@ def march(
         The horizon, and whether the plane may pull.
     most : tuple of int
         Steps to take, and rounds to spend.
-    along : bool
+    choices : tuple of bool
+        Whether the place of the contact and the works are wanted, and whether an extremum of phi
+        has to be looked at; else it is reported; and whether a slip begins from rest.
 
     Returns
     -------
-    reason, count : int
+    reason : int
     length : float
         Of the step to try next.
     rounds : int
@@ -318,8 +410,18 @@ def march(
     series : ndarray, shape (count, 13, STAGES + 1)
     taken : ndarray, shape (count,)
         Lengths of the steps.
+    extrema : ndarray, shape (m, 15)
+        In which step, which kind of event, and the state there; without those of the last step
+        where that has to be looked at.
+    events : ndarray, shape (e, 2)
+        Of the last step.
     """
     capacity, budget = most
+    along, pauses, begins = choices
+    slips_alone = laws[0] and E[16] == 0 and E[17] == 0
+    stiff = begins
+    extrema, seen = np.empty((2 * capacity, 2 + ROWS)), 0
+    column = np.empty((ROWS, 1))
     length, last_length, cut = lengths
     starts, taken = np.empty((capacity + 1, ROWS)), np.empty(capacity)
     series = np.empty((capacity, ROWS, STAGES + 1))
@@ -328,9 +430,9 @@ def march(
     y, f = np.empty((ROWS, STAGES)), np.empty((ROWS, STAGES))
     arrays = change, trial, y, f, D, here
     starts[0], rounds, count, reason = start, 0, 0, GOES_ON
-    polynomial, at, scale = last, cut, last_length
-    left = inf
-    if laws[0]:
+    polynomial, at, scale, shortened = last, cut, last_length, 0
+    left, events = inf, np.empty((0, 2))
+    if laws[0] and not begins:
         left = _left_of_slip(E, laws, start, (D, here))
     while count < capacity and rounds < budget and reason == GOES_ON:
         length = min(length, _SHARE * left)
@@ -338,11 +440,19 @@ def march(
             reason = STUCK
             break
         extrapolated(polynomial, at, length / scale, change)
-        spent = collocate(E, laws, starts[count], core, length, arrays, along)
+        spent = collocate(E, laws, starts[count], core, length, arrays, (along, stiff))
         rounds += abs(spent)
+        if spent < 0 and slips_alone and not stiff:
+            stiff = True
+            continue
+        if spent < 0 and stiff and shortened < _MOST_SHORTER:
+            shortened += 1
+            length /= 2
+            continue
         if spent < 0:
             reason = STUCK
             break
+        shortened = 0
         tail, present = tail_of(E, starts[count], trial)
         if tail > _RESOLVED:
             # what was too long is the guess of what is shorter
@@ -356,17 +466,29 @@ def march(
             for k in range(1, STAGES + 1, 2):
                 total += trial[i, k]
             starts[count + 1, i] = starts[count, i] + 2 * total
-        begun, _, looked_for = sampled(E, laws, starts[count], trial, limits)
-        if not begun or looked_for.any():
+        events = located(E, laws, starts[count], trial, limits)
+        for number in range(events.shape[0]):
+            kind = events[number, 0]
+            if pauses or kind not in (MINIMUM, MAXIMUM):
+                reason = LOOK
+        if events.shape[0] > extrema.shape[0] - seen:
             reason = LOOK
+        if reason == GOES_ON:
+            for number in range(events.shape[0]):
+                state_at(starts[count], trial, events[number, 1], column)
+                extrema[seen, 0], extrema[seen, 1] = count, events[number, 0]
+                for i in range(ROWS):
+                    extrema[seen, 2 + i] = column[i, 0]
+                seen += 1
         count += 1
         grown = 0.9 * length * (_RESOLVED / max(tail, _NOISE)) ** (1 / STAGES)
         # a tail of round-off says that more is to be had: how much, the harmonics before it say
-        more = min(2.0, max(1.0, _USED * STAGES / present)) * length
+        more = min(_MORE, max(1.0, _USED * STAGES / present)) * length
         length = more if tail < _NOISE else min(grown, _LONGEST)
         if laws[0]:
             left = _left_of_slip(E, laws, starts[count], (D, here))
             speed = np.hypot(starts[count, U1], starts[count, U2])
             if reason == GOES_ON and (left <= _STOPPED or (speed <= _STOPPED and left < inf)):
                 reason = STOPS
-    return reason, count, length, rounds, starts[: count + 1], series[:count], taken[:count]
+    done = starts[: count + 1], series[:count], taken[:count]
+    return reason, length, rounds, done[0], done[1], done[2], extrema[:seen], events

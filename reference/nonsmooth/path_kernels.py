@@ -4,9 +4,11 @@ The mathematics of `reference.nonsmooth.segments.SegmentsPath`, time by time. Im
 caller asks for compiled code.
 """
 
+from math import isinf, isnan
+
 import numpy as np
 
-from reference.equations.kernels import CONTACT_ROWS, FORCE, contact_at
+from reference.equations.kernels import CONTACT_ROWS, FORCE, contact_of
 from reference.equations.state_vector import (
     LEAN,
     PSI,
@@ -20,6 +22,7 @@ from reference.equations.state_vector import (
     W3,
     Index,
 )
+from reference.nonsmooth.event_kernels import state_at
 from reference.nonsmooth.radau_iia import AT_START, STAGES
 from reference.numerics.compiled import jit
 from reference.problem.states import Floats
@@ -28,6 +31,16 @@ _AT_START = AT_START
 _EPS = float(np.finfo(float).eps)
 # Halvings that find an instant in a piece to round-off.
 _HALVINGS = 60
+# Samples of a piece; share of the highest of them from which the top of a lower one may be the
+# highest, as in `reference.analysis.bounces`.
+_NODES, _WORTH = 4, 0.7
+# A top is placed to this share of its bracket, whose square is a round-off of its height; a part
+# as small of a height is that round-off.
+_PLACED, _FLAT = 3e-8, 1e-14
+_MOST_SECTIONS, _GOLDEN = 60, (3 - 5**0.5) / 2
+
+Work = tuple[Floats, Floats, Floats]
+"""A state, and arrays for its contact."""
 
 
 @jit
@@ -58,18 +71,6 @@ def _place(series: Floats, cut: float, span: float, target: float) -> float:
             break
         c = new
     return min(max(c, 0.0), cut)
-
-
-@jit
-def state_at(start: Floats, series: Floats, c: float) -> Floats:
-    """Return the state, shape (13,), at one place of a piece, as `Segment.at`."""
-    out, x = start.copy(), 2 * c - 1
-    before, wave = 1.0, x
-    for k in range(1, STAGES + 1):
-        for i in range(ROWS):
-            out[i] += series[i, k] * (wave - _AT_START[k])
-        before, wave = wave, 2 * x * wave - before
-    return out
 
 
 @jit
@@ -123,10 +124,11 @@ def states_of(E: Floats, slips: Index, turns: Index, y: Floats) -> Floats:
         phi, phi', psi, psi', theta, theta', spin, slip and force in the world.
     """
     out, D, here = np.empty((12, y.shape[1])), np.empty((10, 6)), np.empty(CONTACT_ROWS)
+    rests = slips.size < 0  # a variable: a constant would be a type of its own, compiled again
     for j in range(y.shape[1]):
         T = np.exp(y[LEAN, j])
         S, C = 2 * T / (1 + T * T), -np.tanh(y[LEAN, j])
-        contact_at(E, (slips[j] != 0, turns[j], False), y, j, D, here)
+        contact_of(E, (slips[j] != 0, turns[j], rests), y, j, D, here)
         psi, psi_dot = y[PSI, j], y[W1, j] / S
         cosine, sine = np.cos(psi), np.sin(psi)
         u1, u2 = y[U1, j] * slips[j], y[U2, j] * slips[j]
@@ -138,3 +140,172 @@ def states_of(E: Floats, slips: Index, turns: Index, y: Floats) -> Floats:
         out[9, j], out[10, j] = F1 * cosine - F2 * sine, F1 * sine + F2 * cosine
         out[11, j] = here[FORCE + 2] / S
     return out
+
+
+Pieces = tuple[Floats, Floats, Floats, Floats, Index, Index]
+"""Starts, series, cuts and spans of pieces, and of each whether it slips and which way it turns."""
+
+
+@jit
+def _measured(E: Floats, of: Pieces, piece: int, c: float, work: Work, out: Floats) -> None:
+    """Write psi' and the friction ratio at a place of a piece to `out`."""
+    starts, series, _, _, slips, turns = of
+    y, D, here = work
+    state_at(starts[piece], series[piece], c, y)
+    T = np.exp(y[LEAN, 0])
+    out[0] = y[W1, 0] * (1 + T * T) / (2 * T)
+    # variables: of constants everything would be compiled once more
+    rests, only = E.size < 0, y.shape[1] - 1
+    contact_of(E, (slips[piece] != 0, turns[piece], rests), y, only, D, here)
+    friction, N = np.hypot(here[FORCE], here[FORCE + 1]), here[FORCE + 2]
+    out[1] = friction / N if N > 0 or isnan(N) else np.inf
+
+
+@jit
+def _magnitude(
+    E: Floats, of: Pieces, time: float, near: int, which: int, work: Work, out: Floats
+) -> float:
+    """Return the magnitude of one of both at a time, in a piece near to a given one."""
+    starts, series, cuts, spans = of[:4]
+    piece = near
+    while piece + 1 < cuts.size and starts[piece + 1, TIME] <= time:
+        piece += 1
+    while piece > 0 and starts[piece, TIME] > time:
+        piece -= 1
+    c = _place(series[piece, TIME], cuts[piece], spans[piece], time - starts[piece, TIME])
+    _measured(E, of, piece, c, work, out)
+    return float(abs(out[which]))
+
+
+@jit
+def _top(
+    E: Floats,
+    of: Pieces,
+    bracket: tuple[float, float, float],
+    near: int,
+    which: int,
+    work: Work,
+    out: Floats,
+) -> float:
+    """Return the largest magnitude between two times, by parabolas within golden sections.
+
+    R. P. Brent, Algorithms for Minimization without Derivatives, 1973, chapter 5.
+    """
+    low, best, high = bracket
+    tolerance = _PLACED * (high - low)
+    second = third = best
+    top = _magnitude(E, of, best, near, which, work, out)
+    at_second = at_third = top
+    moved = before = 0.0
+    for _ in range(_MOST_SECTIONS):
+        middle = (low + high) / 2
+        if abs(best - middle) <= 2 * tolerance - (high - low) / 2:
+            break
+        p, q, parabolic = 0.0, 0.0, False
+        if abs(before) > tolerance:
+            r = (best - second) * (at_third - top)
+            q = (best - third) * (at_second - top)
+            p = (best - third) * q - (best - second) * r
+            q = 2 * (q - r)
+            if q > 0:
+                p = -p
+            q = abs(q)
+            parabolic = abs(p) < abs(q * before / 2) and q * (low - best) < p < q * (high - best)
+        if parabolic:
+            before, moved = moved, p / q
+            if min(best + moved - low, high - best - moved) < 2 * tolerance:
+                moved = tolerance if best < middle else -tolerance
+        else:
+            before = high - best if best < middle else low - best
+            moved = _GOLDEN * before
+        step = moved if abs(moved) >= tolerance else (tolerance if moved > 0 else -tolerance)
+        trial = best + step
+        value = _magnitude(E, of, trial, near, which, work, out)
+        if value >= top:
+            if trial < best:
+                high = best
+            else:
+                low = best
+            third, at_third, second, at_second = second, at_second, best, top
+            best, top = trial, value
+            continue
+        if trial < best:
+            low = trial
+        else:
+            high = trial
+        if value >= at_second or second == best:
+            third, at_third, second, at_second = second, at_second, trial, value
+        elif value >= at_third or third == best or third == second:
+            third, at_third = trial, value
+    return top
+
+
+@jit
+def peaks_of(E: Floats, of: Pieces, extrema: Floats, tops: Index) -> Floats:
+    """Return the largest rates of precession, with their signs, and friction ratios of bounces.
+
+    The rules are those of `reference.analysis.bounces`, for motions without mirror symmetry.
+
+    Parameters
+    ----------
+    E : ndarray
+    of : tuple
+    extrema : ndarray, shape (n,)
+        Times of the extrema of phi.
+    tops : ndarray of int, shape (m + 1,)
+        Which of them are maxima.
+
+    Returns
+    -------
+    ndarray, shape (2, m)
+    """
+    starts, series, cuts = of[:3]
+    work, out = (np.empty((ROWS, 1)), np.empty((10, 6)), np.empty(CONTACT_ROWS)), np.empty(2)
+    most = _NODES * cuts.size + 1
+    times, owner, values, count = np.empty(most), np.empty(most, np.int64), np.empty((2, most)), 0
+    for node in range(most):
+        piece = min(node // _NODES, cuts.size - 1)
+        part = (node - _NODES * piece) / _NODES
+        _measured(E, of, piece, part * cuts[piece], work, out)
+        time = work[0][TIME, 0]
+        if count == 0 or time > times[count - 1]:
+            times[count], owner[count] = time, piece
+            values[0, count], values[1, count] = out
+            count += 1
+    peaks, node = np.zeros((2, tops.size - 1)), 0
+    for bounce in range(tops.size - 1):
+        left, right = extrema[tops[bounce]], extrema[tops[bounce + 1]]
+        for number in range(tops[bounce], tops[bounce + 1] + 1):
+            near = owner[min(node, count - 1)]
+            for which in range(2):
+                _magnitude(E, of, extrema[number], near, which, work, out)
+                if abs(out[which]) > abs(peaks[which, bounce]):
+                    peaks[which, bounce] = out[which]
+        while node < count and times[node] < left:
+            node += 1
+        first = node
+        while node < count and times[node] < right:
+            node += 1
+        for which in range(2):
+            highest = 0.0
+            for at in range(first, node):
+                highest = max(highest, abs(values[which, at]))
+            for at in range(first, node):
+                here = abs(values[which, at])
+                if here > abs(peaks[which, bounce]):
+                    peaks[which, bounce] = values[which, at]
+                before = abs(values[which, at - 1]) if at > first else 0.0
+                after = abs(values[which, at + 1]) if at + 1 < node else 0.0
+                if not (here >= before and here >= after and here >= _WORTH * highest):
+                    continue
+                sign = 1.0 if values[which, at] > 0 else -1.0
+                low = times[at - 1] if at > first else left
+                high = times[at + 1] if at + 1 < node else right
+                # what is flat to round-off, as where the rim slips, has no top to look for
+                if isinf(here) or here - min(before, after) <= _FLAT * here or not low < high:
+                    continue
+                bracket = low, times[at], high
+                top = _top(E, of, bracket, owner[at], which, work, out)
+                if top > abs(peaks[which, bounce]):
+                    peaks[which, bounce] = sign * top
+    return peaks

@@ -86,7 +86,8 @@ class SegmentsPath:
         self._starts = np.stack([piece.start for piece in pieces])
         self._coefficients = np.stack([piece.coefficients for piece in pieces])
         self._cuts = np.array([piece.cut for piece in pieces])
-        self.end_times = [float(piece.end[TIME]) for piece in pieces]
+        # the time goes on over each switch
+        self.end_times = [*self._starts[1:, TIME].tolist(), float(pieces[-1].end[TIME])]
         self._spans = np.array(self.end_times) - self._starts[:, TIME]
         modes = [piece.mode for piece in pieces]
         self._modes = list(dict.fromkeys(modes))
@@ -121,6 +122,26 @@ class SegmentsPath:
             raise ValueError("the works were not asked for: they come with the contact locus")
         y, _ = self.rows(np.asarray(times, dtype=float))
         return np.asarray(y[DISSIPATED] - y[SUPPLIED])
+
+    def peaks(self, extrema: Floats, tops: NDArray[np.intp]) -> Floats | None:
+        """Return the peaks of bounces where compiled code measures them, shape (2, bounces).
+
+        Parameters
+        ----------
+        extrema : ndarray, shape (n,)
+            Times of the extrema of phi.
+        tops : ndarray of int, shape (bounces + 1,)
+            Which of them are maxima.
+        """
+        equations = self._equations
+        if not isinstance(equations, CompiledEquations) or equations.resistance:
+            return None
+        from reference.nonsmooth import path_kernels
+
+        slips = np.array([mode.slips for mode in self._modes], dtype=int)[self._mode]
+        turns = np.array([mode.turns for mode in self._modes])[self._mode]
+        pieces = self._starts, self._coefficients, self._cuts, self._spans, slips, turns
+        return path_kernels.peaks_of(equations.constants, pieces, extrema, tops)
 
     def nodes(self) -> tuple[Floats, States]:
         """Return times and states at four instants of each piece, and at the end."""

@@ -198,6 +198,9 @@ class Run:
         Solver work.
     phases : tuple of Phase
         Of sticking and slipping, where the law of contact may change.
+    peaks : ndarray, shape (2, bounces), or None
+        Of each bounce the largest rate of precession, with its sign, and the largest friction
+        ratio, where compiled code has measured them.
     """
 
     path: Path
@@ -205,3 +208,4 @@ class Run:
     steps: int
     evaluations: int
     phases: tuple[Phase, ...] = ()
+    peaks: Floats | None = None
