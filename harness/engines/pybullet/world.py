@@ -366,14 +366,13 @@ def resultant(points: Sequence[ContactPoint]) -> Resultant:
     px = py = pz = fx = fy = fz = total = bearing = 0.0
     depth = -math.inf
     for point in points:
-        depth = max(depth, -point[8])
-        n = point[9]
+        _, _, _, _, _, own, other, normal, gap, n, f1, first, f2, second = point
+        if -gap > depth:  # noqa: PLR1730 - a call takes longer
+            depth = -gap
         if n <= 0.0:
             continue
-        ax, ay, az = point[5]
-        bx, by, bz = point[6]
-        nx, ny, nz = point[7]
-        f1, (ux, uy, uz), f2, (vx, vy, vz) = point[10:14]
+        (ax, ay, az), (bx, by, bz), (nx, ny, nz) = own, other, normal
+        (ux, uy, uz), (vx, vy, vz) = first, second
         fx += n * nx + f1 * ux + f2 * vx
         fy += n * ny + f1 * uy + f2 * vy
         fz += n * nz + f1 * uz + f2 * vz

@@ -96,3 +96,10 @@ def test_commands_of_a_scene_have_one_as_their_first_argument() -> None:
         if parameter.param_type_name == "argument" and parameter.name == "scene"
     }
     assert first == OF_A_SCENE
+
+
+def test_what_a_worker_unpickles_of_the_quick_suite_does_not_import_pandas() -> None:
+    # each worker would take half a second for tables that the first process alone makes
+    tasks = "import sys, harness.studies.comparison.rim, harness.evaluation.evaluate"
+    program = f"{tasks}; sys.exit('pandas' in sys.modules)"
+    subprocess.run([sys.executable, "-c", program], check=True)  # noqa: S603 - our own program
