@@ -89,13 +89,12 @@ def gradients() -> dict[str, str]:
         facts[f"{short}_table"] = markdown(("turn by", "exact", *head), rows)
         facts[f"{short}_timestep"] = f"{turn['timestep_s'].min():g}"
         facts[f"{short}_own"] = _own(csv(f"{folder}-own.csv"))
-        facts[f"{short}_causes"] = _causes(csv(f"{folder}-gradients.csv"))
         adaptive = turn[turn["profile"] == "adaptive"]
         right = adaptive["right_from"].notna().groupby(adaptive["key"]).all()
         facts[f"{short}_right"] = f"{right.sum()} of {len(right)}"
     facts["settings"] = _settings(csv("gradients-gentle/gentle-rock-settings.csv"))
     facts["autodiff"] = _autodiff(csv("gradients-autodiff/gentle-rock-own.csv"))
-    facts["chaos"] = _chaos(csv("gradients-chaos/chaotic-can-instants.csv"))
+    facts["gentle_causes"] = _causes(csv("gradients-gentle/gentle-rock-gradients.csv"))
     return facts
 
 
@@ -177,7 +176,7 @@ def _causes(table: pd.DataFrame) -> str:
 
 
 def _settings(table: pd.DataFrame) -> str:
-    """Return the settings that move the turn or the period most."""
+    """Return the settings that move the turn most: four of each engine, or those that do."""
     rows = []
     for engine in ENGINES:
         own = table[table["engine"] == engine]
@@ -185,45 +184,12 @@ def _settings(table: pd.DataFrame) -> str:
         size = wide["angle_of_turn_deg"].abs().sort_values(ascending=False)
         rows += [
             (ENGINES[engine], f"`{setting}`", *(f"{wide.loc[setting, q]:.1e}" for q in _MOVED))
-            for setting in size.index[:4]
+            for setting in size[size > 0.0].index[:4]
         ]
     return markdown(("engine", "setting", "turn, degrees", "period, s"), rows, words=2)
 
 
 _MOVED = ("angle_of_turn_deg", "period_s")
-
-
-def _chaos(table: pd.DataFrame) -> str:
-    """Return the exact growth along the chaotic motion, and what MuJoCo says of it."""
-    of = table[table["key"] == "release.phi"]
-    fixed, adaptive, truth = (
-        of[(of["engine"] == engine) & (of["profile"] == profile)]
-        for engine, profile in (
-            ("mujoco", "matched"),
-            ("mujoco", "adaptive"),
-            ("reference", "matched"),
-        )
-    )
-    finest = fixed[fixed["timestep_s"] == fixed["timestep_s"].min()].set_index("time_s")
-    moving = adaptive.set_index("time_s")
-    rows = [
-        (
-            f"{row['time_s']:g}",
-            f"{row['growth']:.3g}",
-            f"{row['right_to']:.0e}",
-            _share(finest.loc[row["time_s"], "settled_error"]),
-            _share(moving.loc[row["time_s"], "settled_error"]),
-        )
-        for _, row in truth.iterrows()
-    ]
-    head = (
-        "time, s",
-        "growth, rad",
-        "longest right step",
-        "MuJoCo, fixed step",
-        "MuJoCo, adaptive",
-    )
-    return markdown(head, rows, words=0)
 
 
 _STEPS = {"matched": "fixed step", "adaptive": "steps that follow the motion"}

@@ -62,7 +62,10 @@ def tolerance(
 def gradients(  # noqa: PLR0917 - a parameter an option
     scene: options.SceneName,
     suite: Annotated[
-        str, typer.Option(help="quick: about two minutes; full: every key, half decades.")
+        str,
+        typer.Option(
+            help="quick: some minutes; full: every key, half decades; own: an engine's own alone."
+        ),
     ] = "quick",
     engine: options.EngineNames = None,
     out: options.ReportFolder = None,

@@ -91,6 +91,12 @@ class GradientSuite:
         How many of its timesteps, from the coarsest.
     a_decade : int
         Steps of a difference in a decade.
+    longest : float
+        The longest step, relative.
+    decades : int
+        From it to the shortest.
+    settings : bool
+        Whether settings of engines are changed.
     """
 
     name: str
@@ -98,6 +104,9 @@ class GradientSuite:
     rungs: str
     count: int
     a_decade: int
+    longest: float = 0.1
+    decades: int = 8
+    settings: bool = True
 
 
 SUITES = {
@@ -112,11 +121,19 @@ SUITES = {
         a_decade=1,
     ),
     "full": GradientSuite(name="full", keys=KEYS, rungs="quick", count=4, a_decade=2),
+    "own": GradientSuite(
+        name="own",
+        keys=("release.phi", "release.psi_dot", "release.theta_dot"),
+        rungs="tuning",
+        count=2,
+        a_decade=1,
+        longest=1e-3,
+        decades=1,
+        settings=False,
+    ),
 }
-"""quick: about two minutes on two cores. full: every key, half decades, four timesteps."""
-
-_DECADES = 8
-"""From a step of a tenth to one of 1e-9."""
+"""quick: some minutes. full: every key, half decades, four timesteps. own: engines' own derivatives
+by the release, beside differences of two steps."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,8 +161,8 @@ class GradientPlan:
         """Relative steps of the differences, from long to short."""
         a_decade = self.suite.a_decade
         return tuple(
-            float(f"{10.0 ** (-1.0 - place / a_decade):.2g}")
-            for place in range(_DECADES * a_decade + 1)
+            float(f"{self.suite.longest * 10.0 ** (-place / a_decade):.2g}")
+            for place in range(self.suite.decades * a_decade + 1)
         )
 
     @property
@@ -166,6 +183,8 @@ class GradientPlan:
     @property
     def settled_bases(self) -> tuple[Case, ...]:
         """The case of each engine whose settings are changed: at its finest timestep."""
+        if not self.suite.settings:
+            return ()
         last = {
             base.engine: base
             for base in self.bases

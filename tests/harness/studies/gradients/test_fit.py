@@ -7,7 +7,7 @@ import pytest
 
 from harness.core.case import Case
 from harness.core.verdict import Status
-from harness.studies.gradients.findings import Differences, judge
+from harness.studies.gradients.findings import Differences, OwnDerivative, judge
 from harness.studies.gradients.fit import fit_errors
 from models import load
 
@@ -82,6 +82,41 @@ def test_a_wrong_sign_is_told() -> None:
     assert judge(0.0099, wrong_sign=False).status is Status.AGREES
     assert judge(0.0101, wrong_sign=False).text.startswith("near")
     assert judge(0.11, wrong_sign=False).text.startswith("wrong")
+
+
+def test_what_has_no_number_is_not_judged_and_says_why() -> None:
+    none = Differences(
+        base=Case(scene=load("gentle-rock"), engine="mujoco", timestep=1e-3),
+        key="release.psi_dot",
+        quantity="peak_friction_ratio",
+        exact=None,
+        size=1.0,
+        values=dict.fromkeys(STEPS, 1.0),
+        why="the plane would have to pull",
+    )
+    assert none.verdict.status is Status.NOT_JUDGED
+    assert str(none.verdict) == "not judged: the plane would have to pull"
+    assert none.best is none.parts is none.short is none.long is None
+    own = OwnDerivative(
+        base=none.base,
+        settings="",
+        key=none.key,
+        quantity=none.quantity,
+        step="program",
+        value=None,
+        exact=1.0,
+        scale=1.0,
+        why="a root of zero",
+    )
+    assert own.error is None
+    assert str(own.verdict) == "not judged: a root of zero"
+
+
+def test_a_derivative_next_to_nothing_is_compared_with_quantity_over_key() -> None:
+    judged = differences(dict.fromkeys(STEPS, 0.5), exact=1e-5)
+    assert judged.insensitive
+    assert "of quantity over key" in judged.verdict.text
+    assert not differences(dict.fromkeys(STEPS, 0.5)).insensitive
 
 
 def test_without_a_bounce_there_is_no_derivative() -> None:
