@@ -3,15 +3,18 @@
 What needs every engine is measured by ``.venv-engines/bin/python -m docs.measure engines``.
 
 `docs/measured.toml` says which commands these are and which of their files are kept, in the folder
-`reports/baseline/NAME`. Beside them, `made.json` says by which command, when and where.
+`reports/baseline/NAME`. Beside them, `made.json` says by which command, when and where, and what it
+took: time, processor time with that of its processes, and the memory of the largest of them.
 """
 
 import json
+import os
 import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import tomllib
 from pathlib import Path
 from typing import Annotated
@@ -78,6 +81,10 @@ def keep(file: Path, place: Path) -> None:
     few.save(place, optimize=True)
 
 
+_MAXRSS_BYTES = 1024
+"""Of the unit of the largest resident memory, on Linux."""
+
+
 def measure(name: str, what: Measured) -> None:
     """Run a command and keep its files.
 
@@ -90,22 +97,30 @@ def measure(name: str, what: Measured) -> None:
         out = Path(folder) / "out"
         words = [word.format(out=out) for word in shlex.split(what.command)]
         program = str(Path(sys.executable).with_name(words[0]))
-        run = subprocess.run(  # noqa: S603 - a command of our own
-            [program, *words[1:]], cwd=ROOT, stdout=subprocess.PIPE, check=False
-        )
-        if run.returncode not in what.exit_codes:
-            sys.exit(f"`{what.command}` ended with {run.returncode}, not in {what.exit_codes}")
+        began = time.monotonic()
+        out_file = Path(folder) / PRINTED
+        with out_file.open("wb") as stdout:
+            child = subprocess.Popen([program, *words[1:]], cwd=ROOT, stdout=stdout)  # noqa: S603 - a command of our own
+            _, status, usage = os.wait4(child.pid, 0)  # what `subprocess.run` does not tell
+        child.returncode = os.waitstatus_to_exitcode(status)
+        if child.returncode not in what.exit_codes:
+            sys.exit(f"`{what.command}` ended with {child.returncode}, not in {what.exit_codes}")
+        took = {
+            "seconds": round(time.monotonic() - began, 1),
+            "processor_seconds": round(usage.ru_utime + usage.ru_stime, 1),
+            "largest_process_mb": round(usage.ru_maxrss * _MAXRSS_BYTES / 1e6, 1),
+        }
         place = KEPT / name
         place.mkdir(parents=True, exist_ok=True)
         for file in what.files:
             if file == PRINTED:
-                write_atomically(place / PRINTED, run.stdout)
+                write_atomically(place / PRINTED, out_file.read_bytes())
             elif file == ROWS:
                 parts = [pd.read_parquet(part) for part in sorted((out / "parts").iterdir())]
                 write_atomically(place / ROWS, pd.concat(parts).to_csv(index=False).encode())
             else:
                 keep(out / file, place / Path(file).name)
-    made = {"command": what.command, **provenance().to_dict()}
+    made = {"command": what.command, "took": took, **provenance().to_dict()}
     write_atomically(place / "made.json", (json.dumps(made, indent=2) + "\n").encode())
 
 

@@ -28,7 +28,7 @@ from docs.formatting import (
     markdown,
 )
 from docs.history import history
-from docs.studies import derivatives, gradients, stability, tolerance
+from docs.studies import derivatives, gradients, stability, sweep_reduced, tolerance
 from harness.core.errors import HarnessError
 from harness.engines.registry import description_of, is_constraint
 from harness.execution.atomic_write import write_atomically
@@ -325,6 +325,7 @@ SOURCES: Mapping[str, Source] = {
         rim,
         cost,
         stability,
+        sweep_reduced,
         tolerance,
         gradients,
         derivatives,

@@ -1,10 +1,11 @@
 """Numbers of the texts on studies: stability, tolerance, gradients."""
 
+import json
 import math
 
 import pandas as pd
 
-from docs.formatting import ENGINES, csv, digits, markdown
+from docs.formatting import BASELINE, ENGINES, csv, digits, markdown
 
 _PROFILES = {"default": "as it ships", "matched": "matched", "adaptive": "adaptive"}
 
@@ -73,6 +74,27 @@ def tolerance() -> dict[str, str]:
 def _number(value: float, count: int) -> str:
     """Return a number with so many digits, or a dash where there is none."""
     return "-" if math.isnan(value) else digits(value, count)
+
+
+_BILLION = 1_000_000_000
+
+
+def sweep_reduced() -> dict[str, str]:
+    """Return what a sweep without rows took, and what a thousand million releases would."""
+    folder = BASELINE / "sweep-reduced"
+    told = json.loads((folder / "printed.json").read_text(encoding="utf-8"))
+    took = json.loads((folder / "made.json").read_text(encoding="utf-8"))["took"]
+    processor = took["processor_seconds"] / told["scenes"]
+    return {
+        "scenes": f"{told['scenes']:,}",
+        "partitions": str(told["partitions"]),
+        "kilobytes": f"{told['largest_partition_bytes'] / 1e3:,.0f}",
+        "seconds": f"{took['seconds']:,.0f}",
+        "processor": f"{took['processor_seconds']:,.0f}",
+        "microseconds": digits(1e6 * processor, 2),
+        "megabytes": f"{took['largest_process_mb']:,.0f}",
+        "billion": digits(_BILLION * processor / 2.0 / 60.0, 2),
+    }
 
 
 def gradients() -> dict[str, str]:

@@ -218,6 +218,7 @@ def _answer(result: Overview, folder: Folder) -> dict[str, Any]:
         "partitions": result.plan.partitions,
         "digest": result.plan.digest(),
         "parts": str(folder.parts),
+        "largest_partition_bytes": folder.largest_partition(),
         "outcomes": dict(result.outcomes),
         "quantities": {
             row.pop("quantity"): row for row in rows_of(EXTENTS, result.extents.values())

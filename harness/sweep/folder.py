@@ -178,6 +178,10 @@ class Folder:
                 files.setdefault(int(name["index"]), []).append(path)
         return files
 
+    def largest_partition(self) -> int:
+        """Return the size of the largest file of a partition, in bytes; 0 if there is none."""
+        return max((path.stat().st_size for path in self.parts.glob(f"*{self._suffix}")), default=0)
+
     def missing(self) -> list[int]:
         """Return the numbers of missing partitions, in order; damaged files are moved away.
 

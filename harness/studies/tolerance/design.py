@@ -17,7 +17,7 @@ from harness.engines.reference.to_reference_problem import carried
 from harness.engines.reference.truth import truth
 from harness.engines.registry import engine, missing_effects
 from harness.engines.stepping.horizon import natural_time
-from harness.engines.stepping.schedule import ETA, ETA_SETTING, LARGEST_SHARE
+from harness.engines.stepping.schedule import ETA, ETA_SETTING, LARGEST_SHARE, LEAST, SPIN
 from harness.evaluation.effort import simulated_seconds
 from harness.evaluation.evaluation import Record
 from models.catalogue import hard_names, load
@@ -154,11 +154,18 @@ class Knob:
         return self.variant.along == ETA_SETTING.name
 
     def _adaptive_steps(self, scene: Scene, eta: float) -> float:
+        """Return the expected steps of an adaptive run: of its slow parts, its turn, its bounces.
+
+        A can that spins about its axis is allowed less than `eta`.
+        """
+        release, seconds, T = scene.release, simulated_seconds(scene), natural_time(scene)
+        axial = abs(release.psi_dot * math.cos(release.phi) + release.theta_dot)
+        allowed = eta * max(1.0 / (1.0 + axial * T / SPIN), LEAST)
         bounces = truth(scene).bounces
-        folds = sum(math.log(1.0 + scene.release.phi / bounce.phi_min) for bounce in bounces)
+        folds = sum(math.log(1.0 + release.phi / bounce.phi_min) for bounce in bounces)
         share = LARGEST_SHARE * (eta / ETA if self.with_timestep else 1.0)
-        slow = simulated_seconds(scene) / (share * natural_time(scene))
-        return slow + _STEPS_A_FALL * (folds + len(bounces)) / eta
+        slow = seconds / (share * T) + seconds * axial / allowed
+        return slow + _STEPS_A_FALL * (folds + len(bounces)) / allowed
 
 
 def knobs(engines: Sequence[str], suite: ToleranceSuite) -> tuple[Knob, ...]:
