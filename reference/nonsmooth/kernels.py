@@ -62,8 +62,9 @@ from reference.problem.states import Floats
 _MOST, _PATIENCE = 30, 8
 # A round of a stiff slip that leaves more than this of the last one's change is worth a new matrix.
 _SLOWLY = 0.3
-# Halvings of a step with a stiff slip before Newton's method for all has to take it.
-_MOST_SHORTER = 4
+# Halvings of a step that does not converge before Newton's method for all has to take it, and by
+# how much more the steps after it may be longer, each than the one before.
+_MOST_SHORTER, _RELAXED = 4, 1.2
 # Imaginary step of a slip, over its speed: nothing is subtracted.
 _STEP = STEP
 _INTEGRATOR = np.ascontiguousarray(integrator().T)
@@ -418,7 +419,7 @@ def march(
     """
     capacity, budget = most
     along, pauses, begins = choices
-    slips_alone = laws[0] and E[16] == 0 and E[17] == 0
+    alone = E[16] == 0 and E[17] == 0
     stiff = begins
     extrema, seen = np.empty((2 * capacity, 2 + ROWS)), 0
     column = np.empty((ROWS, 1))
@@ -430,7 +431,7 @@ def march(
     y, f = np.empty((ROWS, STAGES)), np.empty((ROWS, STAGES))
     arrays = change, trial, y, f, D, here
     starts[0], rounds, count, reason = start, 0, 0, GOES_ON
-    polynomial, at, scale, shortened = last, cut, last_length, 0
+    polynomial, at, scale, shortened, longest = last, cut, last_length, 0, inf
     left, events = inf, np.empty((0, 2))
     if laws[0] and not begins:
         left = _left_of_slip(E, laws, start, (D, here))
@@ -442,16 +443,19 @@ def march(
         extrapolated(polynomial, at, length / scale, change)
         spent = collocate(E, laws, starts[count], core, length, arrays, (along, stiff))
         rounds += abs(spent)
-        if spent < 0 and slips_alone and not stiff:
+        if spent < 0 and laws[0] and alone and not stiff:
             stiff = True
             continue
-        if spent < 0 and stiff and shortened < _MOST_SHORTER:
+        if spent < 0 and alone and shortened < _MOST_SHORTER:
             shortened += 1
             length /= 2
+            longest = length
             continue
         if spent < 0:
+            length *= 2**shortened
             reason = STUCK
             break
+        longest *= _RELAXED
         shortened = 0
         tail, present = tail_of(E, starts[count], trial)
         if tail > _RESOLVED:
@@ -484,7 +488,7 @@ def march(
         grown = 0.9 * length * (_RESOLVED / max(tail, _NOISE)) ** (1 / STAGES)
         # a tail of round-off says that more is to be had: how much, the harmonics before it say
         more = min(_MORE, max(1.0, _USED * STAGES / present)) * length
-        length = more if tail < _NOISE else min(grown, _LONGEST)
+        length = min(more if tail < _NOISE else min(grown, _LONGEST), longest)
         if laws[0]:
             left = _left_of_slip(E, laws, starts[count], (D, here))
             speed = np.hypot(starts[count, U1], starts[count, U2])

@@ -235,7 +235,7 @@ def _top(
             high = trial
         if value >= at_second or second == best:
             third, at_third, second, at_second = second, at_second, trial, value
-        elif value >= at_third or third == best or third == second:
+        elif value >= at_third or third in (best, second):
             third, at_third = trial, value
     return top
 
