@@ -85,7 +85,7 @@ def test_contact_and_rates_are_those_of_numpy(
 @needs_numba
 @pytest.mark.parametrize("slips", [False, True])
 def test_a_rim_without_moments_of_friction_needs_fewer_equations(*, slips: bool) -> None:
-    from reference.equations import kernels
+    from reference.equations import kernels  # noqa: PLC0415 - numba comes with it
 
     effects = replace(EVERYTHING, drilling=0.0, rolling_resistance=0.0)
     plain = GeneralEquations(parameters=PAPER_CAN, effects=effects)
