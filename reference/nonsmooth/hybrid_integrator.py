@@ -68,8 +68,7 @@ SHORTEST = 1e-15
 JAMMED = 10 * SHORTEST
 # Where a slip or a rolling is about to stop a step covers this share of what is left of it.
 SHARE = 0.8
-# Evaluations of the equations that a motion may call for, each some 50 microseconds with all that
-# hangs on it. `cusps` with friction, the hardest of the catalogue, takes 170 thousand.
+# Evaluations of the equations that a motion may call for. `cusps` with friction takes 170 thousand.
 MOST_WORK = 200_000
 # Rounds of a fixed point that stand for an update of Newton's method, which does the same at less.
 ROUNDS_A_UPDATE = 4
@@ -216,8 +215,7 @@ class HybridIntegrator:
         ):
             self._length = before
             return False
-        reported, count = iter(extrema.tolist()), len(taken)
-        extremum = next(reported, None)
+        count = len(taken)
         for number, length in enumerate(taken.tolist()):
             piece = Segment(
                 start=starts[number],
@@ -230,9 +228,8 @@ class HybridIntegrator:
                 self._see(piece, compiled_events(met))
                 return True
             self._pieces.append(piece)
-            while extremum is not None and extremum[0] == number:
-                self._report(np.array(extremum[2:]), maximum=extremum[1] == kernels.MAXIMUM)
-                extremum = next(reported, None)
+            for extremum in extrema[extrema[:, 0] == number]:
+                self._report(extremum[2:], maximum=bool(extremum[1] == kernels.MAXIMUM))
             self._y = starts[number + 1]
             self.watch.advance(float(self._y[TIME]), phi_of(float(self._y[LEAN])))
             if self.watch.ended():
