@@ -6,11 +6,11 @@ Of the ideal can that rocks for ever they are those of the closed solution
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from reference.analysis.tangent_motion import motion_tangents
+from reference.analysis.tangent_motion import SCALARS, constants, motion_tangents
 from reference.integrable.derivatives import NO_PATH, QUANTITIES, bounce_tangents
 from reference.integrable.exact_motion import ExactPath, exact_path
 from reference.integrable.tangents import BY
@@ -92,14 +92,21 @@ def _filled(
 
 
 def _one_sided(problem: Problem) -> tuple[str, ...]:
-    """Return that the bounce of a can that is let go at rest has one-sided derivatives."""
-    if problem.phi_dot != 0.0:
-        return ()
-    sentence = (
-        "Derivatives by the rate of phi are those towards larger values, for the release is at "
-        "rest: one that falls opens its first bounce itself, without the way from the maximum."
-    )
-    return (sentence,)
+    """Return which derivatives are of one side: at rest, and at the bound of a constant."""
+    sentences = []
+    if problem.phi_dot == 0.0:
+        sentences.append(
+            "Derivatives by the rate of phi are those towards larger values, for the release is at "
+            "rest: one that falls opens its first bounce itself, without the way from the maximum."
+        )
+    values, declared = asdict(problem.effects), constants(problem.effects)
+    bound = [name for name, field in SCALARS.items() if name in declared and values[field] == 0.0]
+    if bound:
+        named = ", ".join(f"effects.{name}" for name in bound)
+        sentences.append(
+            f"Derivatives by {named} are those towards larger values, for none is below zero."
+        )
+    return tuple(sentences)
 
 
 def _separatrix(path: ExactPath) -> tuple[str, ...]:

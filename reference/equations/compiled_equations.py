@@ -17,6 +17,11 @@ from reference.problem.states import Floats
 Laws = tuple[bool, int, bool]
 """Whether the rim slips, in which sense the can turns, and whether it rests: a `Mode`."""
 
+# What a node of the contact is made of, one after another: force, moment, turning, slipping,
+# normal mobility, and for the works the velocity of the centre, shaking and angular momentum.
+FORCE, MOMENT, TURNING, SLIPPING, MOBILITY, VELOCITY, SHAKING, MOMENTUM = 0, 3, 6, 9, 11, 12, 15, 18
+CONTACT_ROWS = 21
+
 
 def laws_of(mode: Mode) -> Laws:
     """Return the laws that are in force in a mode."""
@@ -75,11 +80,11 @@ class CompiledEquations:
 
         rows = kernels.contacts(self.constants, laws_of(mode), np.ascontiguousarray(y))
         return Contact(
-            force=rows[kernels.FORCE : kernels.MOMENT],
-            moment=rows[kernels.MOMENT : kernels.TURNING],
-            turning=rows[kernels.TURNING : kernels.SLIPPING],
-            slipping=rows[kernels.SLIPPING : kernels.MOBILITY],
-            normal_mobility=rows[kernels.MOBILITY],
+            force=rows[FORCE:MOMENT],
+            moment=rows[MOMENT:TURNING],
+            turning=rows[TURNING:SLIPPING],
+            slipping=rows[SLIPPING:MOBILITY],
+            normal_mobility=rows[MOBILITY],
         )
 
     def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:

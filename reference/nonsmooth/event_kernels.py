@@ -8,14 +8,8 @@ from math import inf, isnan, nan
 
 import numpy as np
 
-from reference.equations.compiled_equations import Laws
-from reference.equations.kernels import (
-    CONTACT_ROWS,
-    FORCE,
-    MOBILITY,
-    MOMENT,
-    contact_of,
-)
+from reference.equations.compiled_equations import CONTACT_ROWS, FORCE, MOBILITY, MOMENT, Laws
+from reference.equations.kernels import contact_of
 from reference.equations.state_vector import LEAN, ROWS, TIME, U1, U2, W1, W2, W3
 from reference.nonsmooth.events import (
     BEGUN,

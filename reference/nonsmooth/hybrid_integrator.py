@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from reference.equations.compiled_equations import CompiledEquations, laws_of
-from reference.equations.contact_laws import Equations, Kind, Mode, Phase
+from reference.equations.contact_laws import Equations, Mode
 from reference.equations.state_vector import (
     ALONG,
     LEAN,
@@ -36,7 +36,7 @@ from reference.nonsmooth.radau_iia import (
     points,
     step,
 )
-from reference.nonsmooth.segments import Segment, SegmentsPath
+from reference.nonsmooth.segments import Segment, SegmentsPath, phases_of
 from reference.nonsmooth.stopping import at_rest, halted, left_of_roll, left_of_slip, left_to_jam
 from reference.nonsmooth.transitions import (
     ModeTransition,
@@ -68,8 +68,7 @@ SHORTEST = 1e-15
 JAMMED = 10 * SHORTEST
 # Where a slip or a rolling is about to stop a step covers this share of what is left of it.
 SHARE = 0.8
-# Evaluations of the equations that a motion may call for, each some 50 microseconds with all that
-# hangs on it. `cusps` with friction, the hardest of the catalogue, takes 170 thousand.
+# Evaluations of the equations that a motion may call for. `cusps` with friction takes 170 thousand.
 MOST_WORK = 200_000
 # Rounds of a fixed point that stand for an update of Newton's method, which does the same at less.
 ROUNDS_A_UPDATE = 4
@@ -77,9 +76,8 @@ ROUNDS_A_UPDATE = 4
 EXTRAPOLATED = 8
 # Steps that compiled code takes before it reports them.
 STEPS_A_MARCH = 32
-# Basis of a step at the first of its points, and all rows.
+# Basis of a step at the first of its points.
 FIRST_POINT = basis(points()[:1])[0]
-ALL = np.arange(ROWS)
 EXTREMA = (EventKind.MAXIMUM, EventKind.MINIMUM)
 ENDINGS = {
     EventKind.HORIZON: Outcome.FINISHED,
@@ -135,7 +133,7 @@ class HybridIntegrator:
             track=replace(track, extrema=extrema),
             steps=len(self._pieces),
             evaluations=self._evaluations,
-            phases=tuple(self._phases(path.end_times)),
+            phases=phases_of(self._pieces, path.end_times),
         )
 
     def _stuck(self) -> Outcome:
@@ -212,11 +210,12 @@ class HybridIntegrator:
             (self._locus, self._counts, now.at_once),
         )
         self._evaluations += rounds * STAGES
-        if now.at_once and (not len(taken) or not self._sets_out(series[0] @ FIRST_POINT, ALL)):
+        if now.at_once and (
+            not len(taken) or not self._sets_out(series[0] @ FIRST_POINT, np.arange(ROWS))
+        ):
             self._length = before
             return False
-        reported, count = iter(extrema.tolist()), len(taken)
-        extremum = next(reported, None)
+        count = len(taken)
         for number, length in enumerate(taken.tolist()):
             piece = Segment(
                 start=starts[number],
@@ -229,9 +228,8 @@ class HybridIntegrator:
                 self._see(piece, compiled_events(met))
                 return True
             self._pieces.append(piece)
-            while extremum is not None and extremum[0] == number:
-                self._report(np.array(extremum[2:]), maximum=extremum[1] == kernels.MAXIMUM)
-                extremum = next(reported, None)
+            for extremum in extrema[extrema[:, 0] == number]:
+                self._report(extremum[2:], maximum=bool(extremum[1] == kernels.MAXIMUM))
             self._y = starts[number + 1]
             self.watch.advance(float(self._y[TIME]), phi_of(float(self._y[LEAN])))
             if self.watch.ended():
@@ -399,14 +397,3 @@ class HybridIntegrator:
             length=0.0,
             mode=self._mode,
         )
-
-    def _phases(self, end_times: list[float]) -> list[Phase]:
-        phases: list[Phase] = []
-        for piece, end in zip(self._pieces, end_times, strict=False):
-            kind: Kind = piece.mode.kind
-            start = float(piece.start[TIME])
-            if phases and phases[-1].kind is kind:
-                phases[-1] = replace(phases[-1], end=end)
-            else:
-                phases.append(Phase(kind=kind, start=start, end=end))
-        return phases

@@ -1,356 +1,32 @@
-"""Kernels of the hybrid integrator: collocation steps by fixed point, one after another.
+"""Kernels of the hybrid integrator: collocation steps, one after another, through extrema.
 
-The equations of a step at the Radau points (`reference.nonsmooth.radau_iia`) are solved by
-iterating y = y0 + h integral of the field, which needs no derivatives and no linear algebra. Where
-that does not converge, as for a slip that has just begun or is about to stop, Newton's method
-(`radau_iia.step`) takes the step. Imported where a caller asks for compiled code.
+Imported where a caller asks for compiled code.
 """
 
-from math import inf, isnan
+from math import inf
 
 import numpy as np
 
-from reference.equations.compiled_equations import Laws
-from reference.equations.kernels import (
-    CONTACT_ROWS,
-    SLIPPING,
-    contact_of,
-    rates_at,
-    slipping_at,
-)
-from reference.equations.state_vector import (
-    FLOOR,
-    LEAN,
-    LEAST_SLIP,
-    PSI,
-    ROWS,
-    TIME,
-    TOTAL,
-    U1,
-    U2,
-    W1,
-    W2,
-    W3,
-    Index,
-)
+from reference.equations.compiled_equations import CONTACT_ROWS, Laws
+from reference.equations.state_vector import ROWS, U1, U2, Index
+from reference.nonsmooth.collocation_kernels import collocate, evaluate, extrapolated, tail_of
 from reference.nonsmooth.event_kernels import located, state_at
 from reference.nonsmooth.events import EventKind
-from reference.nonsmooth.hybrid_integrator import (
-    LONGEST,
-    NOISE,
-    QUIET,
-    RESOLVED,
-    SHARE,
-    SHORTEST,
-)
-from reference.nonsmooth.radau_iia import (
-    ALMOST,
-    HOPELESS,
-    LEAST,
-    STAGES,
-    STANDS,
-    STEP,
-    integrator,
-    points,
-    to_coefficients,
-)
+from reference.nonsmooth.hybrid_integrator import LONGEST, NOISE, RESOLVED, SHARE, SHORTEST
+from reference.nonsmooth.radau_iia import STAGES
 from reference.nonsmooth.stopping import STOPPED
 from reference.numerics.compiled import jit
 from reference.problem.states import Floats
 
-# Rounds after which a fixed point is given up, and after which each must gain a factor of two.
-_MOST, _PATIENCE = 30, 8
-# A round of a stiff slip that leaves more than this of the last one's change is worth a new matrix.
-_SLOWLY = 0.3
-# Halvings of a step with a stiff slip before Newton's method for all has to take it.
-_MOST_SHORTER = 4
-# Imaginary step of a slip, over its speed: nothing is subtracted.
-_STEP = STEP
-_INTEGRATOR = np.ascontiguousarray(integrator().T)
-_TO_COEFFICIENTS = np.ascontiguousarray(to_coefficients()[:, 1:].T)
-_POINTS = points()
-_STANDS, _ALMOST, _HOPELESS, _LEAST = STANDS, ALMOST, HOPELESS, LEAST
-_FLOOR, _LEAST_SLIP, _QUIET = FLOOR, LEAST_SLIP, QUIET
-_STOPPED = STOPPED
-# Of the harmonics of a step, the share that the next one is to use.
-_USED = 0.9
+# Halvings of a step that does not converge before Newton's method for all has to take it, and by
+# how much more the steps after it may be longer, each than the one before.
+_MOST_SHORTER, _RELAXED = 4, 1.2
+# Of the harmonics of a step, the share that the next one is to use, and how much longer that may be
+# where a step leaves nothing but round-off.
+_USED, _MORE = 0.9, 8.0
 MAXIMUM, MINIMUM = (tuple(EventKind).index(kind) for kind in (EventKind.MAXIMUM, EventKind.MINIMUM))
-# How much longer the next step may be where a step leaves nothing but round-off.
-_MORE = 8.0
 _LONGEST, _NOISE, _RESOLVED, _SHARE, _SHORTEST = LONGEST, NOISE, RESOLVED, SHARE, SHORTEST
-
-
-@jit
-def extrapolated(series: Floats, cut: float, ratio: float, out: Floats) -> None:
-    """Write the change in a step by the polynomial of another, shape (13, STAGES), to `out`.
-
-    Parameters
-    ----------
-    series : ndarray, shape (13, STAGES + 1)
-    cut : float
-        Where in the other step this one begins.
-    ratio : float
-        The length of this step over that of the other.
-    out : ndarray, shape (13, STAGES)
-    """
-    out[:] = 0.0
-    origin = 2 * cut - 1
-    for j in range(STAGES):
-        x = 2 * (cut + ratio * _POINTS[j]) - 1
-        before, wave, before_0, wave_0 = 1.0, x, 1.0, origin
-        for k in range(1, STAGES + 1):
-            for i in range(ROWS):
-                out[i, j] += series[i, k] * (wave - wave_0)
-            before, wave = wave, 2 * x * wave - before
-            before_0, wave_0 = wave_0, 2 * origin * wave_0 - before_0
-
-
-@jit
-def _evaluate(
-    E: Floats,
-    laws: Laws,
-    y: Floats,
-    f: Floats,
-    work: tuple[Floats, Floats],
-    along: bool,
-) -> None:
-    """Write the rates of states to f."""
-    D, here = work
-    for j in range(y.shape[1]):
-        contact_of(E, laws, y, j, D, here)
-        rates_at(E, laws, y, j, here, f, along)
-
-
-@jit
-def _integrate(f: Floats, i: int, length: float, out: Floats) -> None:
-    """Write the integral of row i of rates to that of `out`."""
-    for j in range(STAGES):
-        out[i, j] = 0.0
-    for k in range(STAGES):
-        factor = length * f[i, k]
-        for j in range(STAGES):
-            out[i, j] += factor * _INTEGRATOR[k, j]
-
-
-@jit
-def _slip_matrix(E: Floats, y: Floats, length: float, matrix: Floats) -> None:
-    """Write I - h A J of the slips at the points, J by imaginary steps, to a matrix (32, 32)."""
-    column, here = np.empty((ROWS, 1), np.complex128), np.empty(CONTACT_ROWS, np.complex128)
-    for k in range(STAGES):
-        shift = _STEP * np.hypot(y[U1, k], y[U2, k])
-        for of in range(2):
-            for i in range(ROWS):
-                column[i, 0] = y[i, k]
-            column[U1 + of, 0] += 1j * shift
-            slipping_at(E, column, column.shape[1] - 1, here)
-            for by in range(2):
-                rate = here[SLIPPING + by].imag / shift
-                if by != of:
-                    rate += y[W1, k] if by == 0 else -y[W1, k]
-                for j in range(STAGES):
-                    matrix[2 * j + by, 2 * k + of] = -length * _INTEGRATOR[k, j] * rate
-    for i in range(2 * STAGES):
-        matrix[i, i] += 1.0
-
-
-@jit
-def _factor(matrix: Floats, order: Index) -> None:
-    """Factor a matrix in place, with exchange of rows in an order that is written."""
-    n = order.size
-    for i in range(n):
-        pivot = i
-        for below in range(i + 1, n):
-            if abs(matrix[below, i]) > abs(matrix[pivot, i]):
-                pivot = below
-        order[i] = pivot
-        if pivot != i:
-            for k in range(n):
-                matrix[i, k], matrix[pivot, k] = matrix[pivot, k], matrix[i, k]
-        for below in range(i + 1, n):
-            matrix[below, i] /= matrix[i, i]
-            factor = matrix[below, i]
-            for k in range(i + 1, n):
-                matrix[below, k] -= factor * matrix[i, k]
-
-
-@jit
-def _solve(matrix: Floats, order: Index, b: Floats) -> None:
-    """Solve a factored system in place."""
-    n = order.size
-    for i in range(n):
-        pivot = order[i]
-        b[i], b[pivot] = b[pivot], b[i]
-    for i in range(n):
-        for k in range(i):
-            b[i] -= matrix[i, k] * b[k]
-    for i in range(n - 1, -1, -1):
-        for k in range(i + 1, n):
-            b[i] -= matrix[i, k] * b[k]
-        b[i] /= matrix[i, i]
-
-
-@jit
-def collocate(
-    E: Floats,
-    laws: Laws,
-    start: Floats,
-    core: Index,
-    length: float,
-    arrays: tuple[Floats, Floats, Floats, Floats, Floats, Floats],
-    choices: tuple[bool, bool],
-) -> int:
-    """Take a step by fixed point, and return its rounds; negative where it does not converge.
-
-    The friction of a slow slip turns with it: where that is stiff the slip alone is found by
-    Newton's method in each round, 32 unknowns with a matrix that is kept while it converges, and
-    all that is not stiff goes on by fixed point.
-
-    Parameters
-    ----------
-    E : ndarray
-    laws : tuple
-    start : ndarray, shape (13,)
-    core : ndarray of int
-        Rows that the rates depend on.
-    length : float
-    arrays : tuple of ndarray
-        The change at the points, shape (13, STAGES), first a guess and then the result; its
-        coefficients, shape (13, STAGES + 1); and work space.
-    choices : tuple of bool
-        Whether the place of the contact and the works are wanted, and whether the slip is stiff.
-    """
-    along, stiff = choices
-    n = 2 * STAGES if stiff else 0
-    matrix, order, residual = np.empty((n, n)), np.empty(n, np.int64), np.empty(n)
-    patience = 2 * _PATIENCE if stiff else _PATIENCE
-    slow = True
-    change, series, y, f, D, here = arrays
-    work, size = (D, here), np.empty(ROWS)
-    before, stands, rounds = inf, False, 0
-    change[U2 + 1 :] = 0.0
-    while rounds < _MOST and not stands:
-        rounds += 1
-        for i in range(ROWS):
-            for j in range(STAGES):
-                y[i, j] = start[i] + change[i, j]
-        _sizes(y, size)
-        _evaluate(E, laws, y, f, work, stands)
-        if stiff:
-            if slow:
-                _slip_matrix(E, y, length, matrix)
-                _factor(matrix, order)
-            for j in range(STAGES):
-                for i in range(2):
-                    total = change[U1 + i, j]
-                    for k in range(STAGES):
-                        total -= length * _INTEGRATOR[k, j] * f[U1 + i, k]
-                    residual[2 * j + i] = total
-            _solve(matrix, order, residual)
-        # what is known of the turning is used at once for what follows from it
-        for i in range(W1, U2 + 1):
-            if i <= W3 or (i >= U1 and not stiff):
-                _integrate(f, i, length, y)
-        if stiff:
-            for j in range(STAGES):
-                for i in range(2):
-                    y[U1 + i, j] = change[U1 + i, j] - residual[2 * j + i]
-        for j in range(STAGES):
-            f[LEAN, j], f[PSI, j] = -(start[W2] + y[W2, j]), start[W1] + y[W1, j]
-        for i in range(LEAN, PSI + 1, PSI - LEAN):
-            _integrate(f, i, length, y)
-        for j in range(STAGES):
-            T = np.exp(start[LEAN] + y[LEAN, j])
-            S = 2 * T / (1 + T * T)
-            f[TIME, j] = S
-            f[TOTAL, j] = S * (start[W3] + y[W3, j] + T * f[PSI, j])
-        for i in range(TOTAL, TIME + 1):
-            _integrate(f, i, length, y)
-        moved = 0.0
-        for i in core:
-            for j in range(STAGES):
-                apart = abs(y[i, j] - change[i, j]) / size[i]
-                if apart > moved or isnan(apart):
-                    moved = apart
-        change[: U2 + 1] = y[: U2 + 1]
-        if not moved < _HOPELESS or (rounds > patience and moved > before / 2 > _ALMOST):
-            return -rounds
-        stands = moved < _STANDS or (moved < _ALMOST and moved > before / 2)
-        slow = rounds == 1 or moved > _SLOWLY * before
-        before = moved
-    if not stands:
-        return -rounds
-    if along:
-        for i in range(ROWS):
-            for j in range(STAGES):
-                y[i, j] = start[i] + change[i, j]
-        _evaluate(E, laws, y, f, work, along)
-        for i in range(U2 + 1, ROWS):
-            _integrate(f, i, length, y)
-        change[U2 + 1 :] = y[U2 + 1 :]
-    series[:] = 0.0
-    for i in range(ROWS):
-        for j in range(STAGES):
-            for k in range(STAGES + 1):
-                series[i, k] += change[i, j] * _TO_COEFFICIENTS[j, k]
-    return rounds
-
-
-@jit
-def _sizes(y: Floats, size: Floats) -> None:
-    """Write the size of each row, as `state_vector.sizes` and `radau_iia.step` measure it."""
-    size[:] = 1.0
-    largest = 0.0
-    for i in (W1, W2, W3):
-        size[i] = 0.0
-        for j in range(STAGES):
-            size[i] = max(size[i], abs(y[i, j]))
-        largest = max(largest, size[i])
-    for i in (W1, W2, W3):
-        size[i] = max(size[i], _FLOOR * (1 + largest))
-    slip = _LEAST_SLIP
-    for j in range(STAGES):
-        slip = max(slip, np.hypot(y[U1, j], y[U2, j]))
-    size[U1] = size[U2] = slip
-    for i in range(ROWS):
-        size[i] = max(size[i], _LEAST)
-
-
-@jit
-def tail_of(E: Floats, start: Floats, series: Floats) -> tuple[float, int]:
-    """Return the last two coefficients of a step over the size of its rows, and which stand out."""
-    size, largest = np.empty(ROWS), 0.0
-    for i in range(ROWS):
-        size[i] = abs(start[i])
-        for k in range(STAGES + 1):
-            size[i] += abs(series[i, k])
-    size[LEAN] = 1.0
-    size[U1] = size[U2] = np.hypot(size[U1], size[U2])
-    for i in range(ROWS):
-        largest = max(largest, size[i])
-    for i in range(ROWS):
-        size[i] = max(size[i], 1e-9 * largest)
-    turning = max(size[W1], size[W2], size[W3])
-    for i in (W1, W2, W3):
-        size[i] = max(size[i], _QUIET * turning)
-    for i in (U1, U2):
-        size[i] = max(size[i], _QUIET * max(1.0, turning))
-    if E[17] > 0:
-        for i in (W1, W2, W3):
-            size[i] = max(size[i], _QUIET)
-    tail = 0.0
-    for i in range(ROWS):
-        for k in (STAGES - 1, STAGES):
-            tail = max(tail, abs(series[i, k]) / size[i])
-    present = STAGES
-    while present > 1:
-        largest = 0.0
-        for i in range(ROWS):
-            largest = max(largest, abs(series[i, present]) / size[i])
-        if largest > _RESOLVED:
-            break
-        present -= 1
-    return tail, present
-
+_STOPPED = STOPPED
 
 GOES_ON, LOOK, STUCK, STOPS = range(4)
 """Why a march returns: nothing, an event in its last step, no fixed point, the end of a slip."""
@@ -361,7 +37,7 @@ def _left_of_slip(E: Floats, laws: Laws, y: Floats, work: tuple[Floats, Floats])
     """Return sigma until a slip stops at its rate, as `stopping.left_of_slip`."""
     column, f = np.empty((ROWS, 1)), np.empty((ROWS, 1))
     column[:, 0] = y
-    _evaluate(E, laws, column, f, work, y.size < 0)
+    evaluate(E, laws, column, f, work, y.size < 0)
     speed = np.hypot(y[U1], y[U2])
     slowing = -(y[U1] * f[U1, 0] + y[U2] * f[U2, 0]) / speed
     return float(speed / slowing) if slowing > 0 else inf
@@ -418,7 +94,7 @@ def march(
     """
     capacity, budget = most
     along, pauses, begins = choices
-    slips_alone = laws[0] and E[16] == 0 and E[17] == 0
+    alone = E[16] == 0 and E[17] == 0
     stiff = begins
     extrema, seen = np.empty((2 * capacity, 2 + ROWS)), 0
     column = np.empty((ROWS, 1))
@@ -430,7 +106,7 @@ def march(
     y, f = np.empty((ROWS, STAGES)), np.empty((ROWS, STAGES))
     arrays = change, trial, y, f, D, here
     starts[0], rounds, count, reason = start, 0, 0, GOES_ON
-    polynomial, at, scale, shortened = last, cut, last_length, 0
+    polynomial, at, scale, shortened, longest = last, cut, last_length, 0, inf
     left, events = inf, np.empty((0, 2))
     if laws[0] and not begins:
         left = _left_of_slip(E, laws, start, (D, here))
@@ -442,16 +118,19 @@ def march(
         extrapolated(polynomial, at, length / scale, change)
         spent = collocate(E, laws, starts[count], core, length, arrays, (along, stiff))
         rounds += abs(spent)
-        if spent < 0 and slips_alone and not stiff:
+        if spent < 0 and laws[0] and alone and not stiff:
             stiff = True
             continue
-        if spent < 0 and stiff and shortened < _MOST_SHORTER:
+        if spent < 0 and alone and shortened < _MOST_SHORTER:
             shortened += 1
             length /= 2
+            longest = length
             continue
         if spent < 0:
+            length *= 2**shortened
             reason = STUCK
             break
+        longest *= _RELAXED
         shortened = 0
         tail, present = tail_of(E, starts[count], trial)
         if tail > _RESOLVED:
@@ -484,7 +163,7 @@ def march(
         grown = 0.9 * length * (_RESOLVED / max(tail, _NOISE)) ** (1 / STAGES)
         # a tail of round-off says that more is to be had: how much, the harmonics before it say
         more = min(_MORE, max(1.0, _USED * STAGES / present)) * length
-        length = more if tail < _NOISE else min(grown, _LONGEST)
+        length = min(more if tail < _NOISE else min(grown, _LONGEST), longest)
         if laws[0]:
             left = _left_of_slip(E, laws, starts[count], (D, here))
             speed = np.hypot(starts[count, U1], starts[count, U2])

@@ -8,7 +8,8 @@ from math import isinf, isnan
 
 import numpy as np
 
-from reference.equations.kernels import CONTACT_ROWS, FORCE, contact_of
+from reference.equations.compiled_equations import CONTACT_ROWS, FORCE
+from reference.equations.kernels import contact_of
 from reference.equations.state_vector import (
     LEAN,
     PSI,
@@ -235,7 +236,7 @@ def _top(
             high = trial
         if value >= at_second or second == best:
             third, at_third, second, at_second = second, at_second, trial, value
-        elif value >= at_third or third == best or third == second:
+        elif value >= at_third or third in (best, second):
             third, at_third = trial, value
     return top
 
@@ -259,7 +260,7 @@ def peaks_of(E: Floats, of: Pieces, extrema: Floats, tops: Index) -> Floats:
     -------
     ndarray, shape (2, m)
     """
-    starts, series, cuts = of[:3]
+    cuts = of[2]
     work, out = (np.empty((ROWS, 1)), np.empty((10, 6)), np.empty(CONTACT_ROWS)), np.empty(2)
     most = _NODES * cuts.size + 1
     times, owner, values, count = np.empty(most), np.empty(most, np.int64), np.empty((2, most)), 0

@@ -1,13 +1,13 @@
 """Dense output of the hybrid integrator: pieces, each a polynomial in the time of the rim."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reference.equations.compiled_equations import CompiledEquations
-from reference.equations.contact_laws import Equations, Mode
+from reference.equations.contact_laws import Equations, Mode, Phase
 from reference.equations.frames import to_level
 from reference.equations.state_vector import (
     DISSIPATED,
@@ -74,6 +74,18 @@ class Segment:
     def looked_at(self, c: tuple[float, ...]) -> Floats:
         """Return the state at the places at which events are sampled, shape (13, n)."""
         return self.start[:, None] + self.coefficients @ basis_at(c).T
+
+
+def phases_of(pieces: Sequence[Segment], end_times: Sequence[float]) -> tuple[Phase, ...]:
+    """Return the phases of sticking and slipping of pieces that end at given times."""
+    phases: list[Phase] = []
+    for piece, end in zip(pieces, end_times, strict=False):
+        kind = piece.mode.kind
+        if phases and phases[-1].kind is kind:
+            phases[-1] = replace(phases[-1], end=end)
+        else:
+            phases.append(Phase(kind=kind, start=float(piece.start[TIME]), end=end))
+    return tuple(phases)
 
 
 class SegmentsPath:

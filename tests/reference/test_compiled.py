@@ -20,12 +20,19 @@ from reference import (
     solve,
     solver,
 )
-from reference.equations.compiled_equations import CompiledEquations
+from reference.equations.compiled_equations import (
+    CONTACT_ROWS,
+    FORCE,
+    MOBILITY,
+    MOMENT,
+    SLIPPING,
+    TURNING,
+    CompiledEquations,
+)
 from reference.equations.contact_laws import Mode
 from reference.equations.newton_euler import GeneralEquations
-from reference.numerics.compiled import available
+from tests.support.compiled import needs_numba
 
-needs_numba = pytest.mark.skipif(not available(), reason="numba, the extra `fast`, is missing")
 GOLDEN = json.loads((Path(__file__).parent / "golden" / "golden.json").read_text())
 EPS = float(np.finfo(float).eps)
 LOCUS = frozenset({"contact_locus"})
@@ -73,6 +80,25 @@ def test_contact_and_rates_are_those_of_numpy(
     mine, theirs = compiled.contact(y, mode), plain.contact(y, mode)
     for name in ("force", "moment", "turning", "slipping", "normal_mobility"):
         assert np.abs(getattr(mine, name) - getattr(theirs, name)).max() < 64 * EPS, name
+
+
+@needs_numba
+@pytest.mark.parametrize("slips", [False, True])
+def test_a_rim_without_moments_of_friction_needs_fewer_equations(*, slips: bool) -> None:
+    from reference.equations import kernels  # noqa: PLC0415 - numba comes with it
+
+    effects = replace(EVERYTHING, drilling=0.0, rolling_resistance=0.0)
+    plain = GeneralEquations(parameters=PAPER_CAN, effects=effects)
+    constants = CompiledEquations.of(plain, replace(GENTLE, effects=effects)).constants
+    y = 0.3 * np.random.default_rng(4).normal(size=(13, 16))
+    y[0] -= 1.0
+    theirs, here = plain.contact(y, Mode(slips=slips)), np.empty(CONTACT_ROWS)
+    for j in range(16):
+        kernels.contact_of(constants, (slips, 0, False), y, j, np.empty((10, 6)), here)
+        assert np.abs(here[FORCE:MOMENT] - theirs.force[:, j]).max() < 64 * EPS
+        assert np.abs(here[TURNING:SLIPPING] - theirs.turning[:, j]).max() < 64 * EPS
+        assert np.abs(here[SLIPPING:MOBILITY] - theirs.slipping[:, j]).max() < 64 * EPS
+        assert not slips or abs(here[MOBILITY] - theirs.normal_mobility[j]) < 64 * EPS
 
 
 @needs_numba
@@ -135,6 +161,7 @@ def test_random_releases_are_solved_as_by_quadrature() -> None:
         (Effects(mass=MASS, rim=0.1, linear_damping=0.05, angular_damping=0.02), (0.0, 0.0)),
         (Effects(drilling=0.01), (0.0, 0.0)),
         (Effects(rolling_resistance=0.002), (0.0, 0.0)),
+        (Effects(mu=0.06, mass=MASS, linear_damping=0.05, angular_damping=0.02), (0.05, 0.02)),
         (EVERYTHING, (0.0, 0.0)),
     ],
     ids=lambda given: "+".join(given.declared()) if isinstance(given, Effects) else "",

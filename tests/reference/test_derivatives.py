@@ -212,6 +212,13 @@ def test_what_has_no_derivative_says_why() -> None:
     assert np.isfinite(pulled.derivatives["period"]).all()
 
 
+def test_a_constant_at_its_bound_has_derivatives_of_one_side() -> None:
+    at_bound = Problem(parameters=PAPER_CAN, effects=Effects(angular_damping=0.01), **ROCK)
+    said = sensitivity(at_bound).caveats[-1]
+    assert "effects.damping.linear" in said
+    assert "effects.damping.angular" not in said
+
+
 def test_a_release_at_rest_has_the_derivatives_of_a_whole_bounce() -> None:
     """And one that hardly falls those of the bounce that it opens itself."""
     problem = Problem(parameters=PAPER_CAN, **ROCK)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reference import PAPER_CAN, Effects, Mass, Problem, solve
-from reference.numerics.compiled import available
+from tests.support.compiled import needs_numba
 
 OFF_CENTRE = Problem(
     parameters=PAPER_CAN,
@@ -32,7 +32,7 @@ DRILLING = Problem(
 )
 
 
-@pytest.mark.parametrize("compiled", [False, True] if available() else [False])
+@pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=needs_numba)])
 @pytest.mark.parametrize("problem", [OFF_CENTRE, DRILLING], ids=["off-centre", "drilling"])
 def test_the_peak_is_the_largest_of_many_samples(problem: Problem, *, compiled: bool) -> None:
     motion = solve(problem, compiled=compiled)

@@ -1,0 +1,331 @@
+"""Kernels of the hybrid integrator: one collocation step, by fixed point.
+
+The equations of a step at the Radau points (`reference.nonsmooth.radau_iia`) are solved by
+iterating y = y0 + h integral of the field, which needs no derivatives. The friction of a slow slip
+turns with it: where that is stiff the slip alone is found by Newton's method in each round. Where
+that does not converge either, Newton's method for all (`radau_iia.step`) takes the step. Imported
+where a caller asks for compiled code.
+"""
+
+from math import inf, isnan
+from typing import Any
+
+import numpy as np
+
+from reference.equations.compiled_equations import CONTACT_ROWS, SLIPPING, Laws
+from reference.equations.kernels import contact_of, rates_at
+from reference.equations.rim_kernels import slipping_at
+from reference.equations.state_vector import (
+    FLOOR,
+    LEAN,
+    LEAST_SLIP,
+    PSI,
+    ROWS,
+    TIME,
+    TOTAL,
+    U1,
+    U2,
+    W1,
+    W2,
+    W3,
+    Index,
+)
+from reference.nonsmooth.hybrid_integrator import QUIET, RESOLVED
+from reference.nonsmooth.radau_iia import (
+    ALMOST,
+    HOPELESS,
+    LEAST,
+    STAGES,
+    STANDS,
+    STEP,
+    integrator,
+    points,
+    to_coefficients,
+)
+from reference.numerics.compiled import jit
+from reference.problem.states import Floats
+
+# Rounds after which a fixed point is given up, and after which each must gain a factor of two.
+_MOST, _PATIENCE = 30, 8
+# A round of a stiff slip that leaves more than this of the last one's change is worth a new matrix.
+_SLOWLY = 0.3
+# Imaginary step of a slip, over its speed: nothing is subtracted.
+_STEP = STEP
+_INTEGRATOR = np.ascontiguousarray(integrator().T)
+_TO_COEFFICIENTS = np.ascontiguousarray(to_coefficients()[:, 1:].T)
+_POINTS = points()
+_STANDS, _ALMOST, _HOPELESS, _LEAST = STANDS, ALMOST, HOPELESS, LEAST
+_FLOOR, _LEAST_SLIP, _QUIET, _RESOLVED = FLOOR, LEAST_SLIP, QUIET, RESOLVED
+
+
+@jit
+def extrapolated(series: Floats, cut: float, ratio: float, out: Floats) -> None:
+    """Write the change in a step by the polynomial of another, shape (13, STAGES), to `out`.
+
+    Parameters
+    ----------
+    series : ndarray, shape (13, STAGES + 1)
+    cut : float
+        Where in the other step this one begins.
+    ratio : float
+        The length of this step over that of the other.
+    out : ndarray, shape (13, STAGES)
+    """
+    out[:] = 0.0
+    origin = 2 * cut - 1
+    for j in range(STAGES):
+        x = 2 * (cut + ratio * _POINTS[j]) - 1
+        before, wave, before_0, wave_0 = 1.0, x, 1.0, origin
+        for k in range(1, STAGES + 1):
+            for i in range(ROWS):
+                out[i, j] += series[i, k] * (wave - wave_0)
+            before, wave = wave, 2 * x * wave - before
+            before_0, wave_0 = wave_0, 2 * origin * wave_0 - before_0
+
+
+@jit
+def evaluate(
+    E: Floats,
+    laws: Laws,
+    y: Floats,
+    f: Floats,
+    work: tuple[Floats, Floats],
+    along: bool,
+) -> None:
+    """Write the rates of states to f."""
+    D, here = work
+    for j in range(y.shape[1]):
+        contact_of(E, laws, y, j, D, here)
+        rates_at(E, laws, y, j, here, f, along)
+
+
+@jit
+def _integrate(f: Floats, i: int, length: float, out: Floats) -> None:
+    """Write the integral of row i of rates to that of `out`."""
+    for j in range(STAGES):
+        out[i, j] = 0.0
+    for k in range(STAGES):
+        factor = length * f[i, k]
+        for j in range(STAGES):
+            out[i, j] += factor * _INTEGRATOR[k, j]
+
+
+@jit
+def _slip_matrix(E: Floats, y: Floats, length: float, matrix: Floats) -> None:
+    """Write I - h A J of the slips at the points, J by imaginary steps, to a matrix (32, 32)."""
+    column: Any = np.empty((ROWS, 1), np.complex128)
+    here: Any = np.empty(CONTACT_ROWS, np.complex128)
+    for k in range(STAGES):
+        shift = _STEP * np.hypot(y[U1, k], y[U2, k])
+        for of in range(2):
+            for i in range(ROWS):
+                column[i, 0] = y[i, k]
+            column[U1 + of, 0] += 1j * shift
+            slipping_at(E, column, column.shape[1] - 1, here)
+            for by in range(2):
+                rate = here[SLIPPING + by].imag / shift
+                if by != of:
+                    rate += y[W1, k] if by == 0 else -y[W1, k]
+                for j in range(STAGES):
+                    matrix[2 * j + by, 2 * k + of] = -length * _INTEGRATOR[k, j] * rate
+    for i in range(2 * STAGES):
+        matrix[i, i] += 1.0
+
+
+@jit
+def _factor(matrix: Floats, order: Index) -> None:
+    """Factor a matrix in place, with exchange of rows in an order that is written."""
+    n = order.size
+    for i in range(n):
+        pivot = i
+        for below in range(i + 1, n):
+            if abs(matrix[below, i]) > abs(matrix[pivot, i]):
+                pivot = below
+        order[i] = pivot
+        if pivot != i:
+            for k in range(n):
+                matrix[i, k], matrix[pivot, k] = matrix[pivot, k], matrix[i, k]
+        for below in range(i + 1, n):
+            matrix[below, i] /= matrix[i, i]
+            factor = matrix[below, i]
+            for k in range(i + 1, n):
+                matrix[below, k] -= factor * matrix[i, k]
+
+
+@jit
+def _solve(matrix: Floats, order: Index, b: Floats) -> None:
+    """Solve a factored system in place."""
+    n = order.size
+    for i in range(n):
+        pivot = order[i]
+        b[i], b[pivot] = b[pivot], b[i]
+    for i in range(n):
+        for k in range(i):
+            b[i] -= matrix[i, k] * b[k]
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            b[i] -= matrix[i, k] * b[k]
+        b[i] /= matrix[i, i]
+
+
+@jit
+def collocate(
+    E: Floats,
+    laws: Laws,
+    start: Floats,
+    core: Index,
+    length: float,
+    arrays: tuple[Floats, Floats, Floats, Floats, Floats, Floats],
+    choices: tuple[bool, bool],
+) -> int:
+    """Take a step by fixed point, and return its rounds; negative where it does not converge.
+
+    The friction of a slow slip turns with it: where that is stiff the slip alone is found by
+    Newton's method in each round, 32 unknowns with a matrix that is kept while it converges, and
+    all that is not stiff goes on by fixed point.
+
+    Parameters
+    ----------
+    E : ndarray
+    laws : tuple
+    start : ndarray, shape (13,)
+    core : ndarray of int
+        Rows that the rates depend on.
+    length : float
+    arrays : tuple of ndarray
+        The change at the points, shape (13, STAGES), first a guess and then the result; its
+        coefficients, shape (13, STAGES + 1); and work space.
+    choices : tuple of bool
+        Whether the place of the contact and the works are wanted, and whether the slip is stiff.
+    """
+    along, stiff = choices
+    n = 2 * STAGES if stiff else 0
+    matrix, order, residual = np.empty((n, n)), np.empty(n, np.int64), np.empty(n)
+    patience = 2 * _PATIENCE if stiff else _PATIENCE
+    slow = True
+    change, series, y, f, D, here = arrays
+    work, size = (D, here), np.empty(ROWS)
+    before, stands, rounds = inf, False, 0
+    change[U2 + 1 :] = 0.0
+    while rounds < _MOST and not stands:
+        rounds += 1
+        for i in range(ROWS):
+            for j in range(STAGES):
+                y[i, j] = start[i] + change[i, j]
+        _sizes(y, size)
+        evaluate(E, laws, y, f, work, stands)
+        if stiff:
+            if slow:
+                _slip_matrix(E, y, length, matrix)
+                _factor(matrix, order)
+            for j in range(STAGES):
+                for i in range(2):
+                    total = change[U1 + i, j]
+                    for k in range(STAGES):
+                        total -= length * _INTEGRATOR[k, j] * f[U1 + i, k]
+                    residual[2 * j + i] = total
+            _solve(matrix, order, residual)
+        # what is known of the turning is used at once for what follows from it
+        for i in range(W1, U2 + 1):
+            if i <= W3 or (i >= U1 and not stiff):
+                _integrate(f, i, length, y)
+        if stiff:
+            for j in range(STAGES):
+                for i in range(2):
+                    y[U1 + i, j] = change[U1 + i, j] - residual[2 * j + i]
+        for j in range(STAGES):
+            f[LEAN, j], f[PSI, j] = -(start[W2] + y[W2, j]), start[W1] + y[W1, j]
+        for i in range(LEAN, PSI + 1, PSI - LEAN):
+            _integrate(f, i, length, y)
+        for j in range(STAGES):
+            T = np.exp(start[LEAN] + y[LEAN, j])
+            S = 2 * T / (1 + T * T)
+            f[TIME, j] = S
+            f[TOTAL, j] = S * (start[W3] + y[W3, j] + T * f[PSI, j])
+        for i in range(TOTAL, TIME + 1):
+            _integrate(f, i, length, y)
+        moved = 0.0
+        for i in core:
+            for j in range(STAGES):
+                apart = abs(y[i, j] - change[i, j]) / size[i]
+                if apart > moved or isnan(apart):
+                    moved = apart
+        change[: U2 + 1] = y[: U2 + 1]
+        if not moved < _HOPELESS or (rounds > patience and moved > before / 2 > _ALMOST):
+            return -rounds
+        stands = moved < _STANDS or (moved < _ALMOST and moved > before / 2)
+        slow = rounds == 1 or moved > _SLOWLY * before
+        before = moved
+    if not stands:
+        return -rounds
+    if along:
+        for i in range(ROWS):
+            for j in range(STAGES):
+                y[i, j] = start[i] + change[i, j]
+        evaluate(E, laws, y, f, work, along)
+        for i in range(U2 + 1, ROWS):
+            _integrate(f, i, length, y)
+        change[U2 + 1 :] = y[U2 + 1 :]
+    series[:] = 0.0
+    for i in range(ROWS):
+        for j in range(STAGES):
+            for k in range(STAGES + 1):
+                series[i, k] += change[i, j] * _TO_COEFFICIENTS[j, k]
+    return rounds
+
+
+@jit
+def _sizes(y: Floats, size: Floats) -> None:
+    """Write the size of each row, as `state_vector.sizes` and `radau_iia.step` measure it."""
+    size[:] = 1.0
+    largest = 0.0
+    for i in (W1, W2, W3):
+        size[i] = 0.0
+        for j in range(STAGES):
+            size[i] = max(size[i], abs(y[i, j]))
+        largest = max(largest, size[i])
+    for i in (W1, W2, W3):
+        size[i] = max(size[i], _FLOOR * (1 + largest))
+    slip = _LEAST_SLIP
+    for j in range(STAGES):
+        slip = max(slip, np.hypot(y[U1, j], y[U2, j]))
+    size[U1] = size[U2] = slip
+    for i in range(ROWS):
+        size[i] = max(size[i], _LEAST)
+
+
+@jit
+def tail_of(E: Floats, start: Floats, series: Floats) -> tuple[float, int]:
+    """Return the last two coefficients of a step over the size of its rows, and which stand out."""
+    size, largest = np.empty(ROWS), 0.0
+    for i in range(ROWS):
+        size[i] = abs(start[i])
+        for k in range(STAGES + 1):
+            size[i] += abs(series[i, k])
+    size[LEAN] = 1.0
+    size[U1] = size[U2] = np.hypot(size[U1], size[U2])
+    for i in range(ROWS):
+        largest = max(largest, size[i])
+    for i in range(ROWS):
+        size[i] = max(size[i], 1e-9 * largest)
+    turning = max(size[W1], size[W2], size[W3])
+    for i in (W1, W2, W3):
+        size[i] = max(size[i], _QUIET * turning)
+    for i in (U1, U2):
+        size[i] = max(size[i], _QUIET * max(1.0, turning))
+    if E[17] > 0:
+        for i in (W1, W2, W3):
+            size[i] = max(size[i], _QUIET)
+    tail = 0.0
+    for i in range(ROWS):
+        for k in (STAGES - 1, STAGES):
+            tail = max(tail, abs(series[i, k]) / size[i])
+    present = STAGES
+    while present > 1:
+        largest = 0.0
+        for i in range(ROWS):
+            largest = max(largest, abs(series[i, present]) / size[i])
+        if largest > _RESOLVED:
+            break
+        present -= 1
+    return tail, present
