@@ -279,6 +279,7 @@ def motion_tangents(problem: Problem) -> tuple[tuple[str, ...], dict[str, Jet], 
 
 
 def tangent_motion(problem: Problem, path: SegmentsPath, by: tuple[str, ...]) -> TangentMotion:
+    """Return the motion along a path beside which those of changed numbers are carried."""
     equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
     varied = tuple(stepped(problem, name) for name in by[by.index("a") :])
     fixed = len(by) - len(varied)
