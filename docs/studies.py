@@ -157,9 +157,9 @@ def _autodiff(table: pd.DataFrame) -> str:
 
 def _causes(table: pd.DataFrame) -> str:
     """Return what goes wrong at short and at long steps, how often, by engine and steps."""
-    engines = table[table["engine"].isin(ENGINES)]
     rows = []
-    for (engine, profile), own in engines.groupby(["engine", "profile"], sort=False):
+    for engine, profile in [(engine, profile) for engine in ENGINES for profile in _STEPS]:
+        own = table[(table["engine"] == engine) & (table["profile"] == profile)]
         for end in ("short", "long"):
             named = own[own[f"{end}_cause"].notna()]
             for cause, of in named.groupby(f"{end}_cause"):
