@@ -88,13 +88,13 @@ def gradients() -> dict[str, str]:
         head = [f"{name}, {steps}" for name in ENGINES.values() for steps in _STEPS.values()]
         facts[f"{short}_table"] = markdown(("turn by", "exact", *head), rows)
         facts[f"{short}_timestep"] = f"{turn['timestep_s'].min():g}"
+        facts[f"{short}_causes"] = _causes(csv(f"{folder}-gradients.csv"))
         facts[f"{short}_own"] = _own(csv(f"{folder}-own.csv"))
         adaptive = turn[turn["profile"] == "adaptive"]
         right = adaptive["right_from"].notna().groupby(adaptive["key"]).all()
         facts[f"{short}_right"] = f"{right.sum()} of {len(right)}"
     facts["settings"] = _settings(csv("gradients-gentle/gentle-rock-settings.csv"))
     facts["autodiff"] = _autodiff(csv("gradients-autodiff/gentle-rock-own.csv"))
-    facts["gentle_causes"] = _causes(csv("gradients-gentle/gentle-rock-gradients.csv"))
     return facts
 
 
