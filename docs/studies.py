@@ -110,13 +110,13 @@ def gradients() -> dict[str, str]:
         head = [f"{name}, {steps}" for name in ENGINES.values() for steps in _STEPS.values()]
         facts[f"{short}_table"] = markdown(("turn by", "exact", *head), rows)
         facts[f"{short}_timestep"] = f"{turn['timestep_s'].min():g}"
+        facts[f"{short}_causes"] = _causes(csv(f"{folder}-gradients.csv"))
         facts[f"{short}_own"] = _own(csv(f"{folder}-own.csv"))
         adaptive = turn[turn["profile"] == "adaptive"]
         right = adaptive["right_from"].notna().groupby(adaptive["key"]).all()
         facts[f"{short}_right"] = f"{right.sum()} of {len(right)}"
     facts["settings"] = _settings(csv("gradients-gentle/gentle-rock-settings.csv"))
     facts["autodiff"] = _autodiff(csv("gradients-autodiff/gentle-rock-own.csv"))
-    facts["gentle_causes"] = _causes(csv("gradients-gentle/gentle-rock-gradients.csv"))
     return facts
 
 
@@ -179,9 +179,9 @@ def _autodiff(table: pd.DataFrame) -> str:
 
 def _causes(table: pd.DataFrame) -> str:
     """Return what goes wrong at short and at long steps, how often, by engine and steps."""
-    engines = table[table["engine"].isin(ENGINES)]
     rows = []
-    for (engine, profile), own in engines.groupby(["engine", "profile"], sort=False):
+    for engine, profile in [(engine, profile) for engine in ENGINES for profile in _STEPS]:
+        own = table[(table["engine"] == engine) & (table["profile"] == profile)]
         for end in ("short", "long"):
             named = own[own[f"{end}_cause"].notna()]
             for cause, of in named.groupby(f"{end}_cause"):

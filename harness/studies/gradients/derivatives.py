@@ -78,10 +78,10 @@ def numbers_of(case: Case) -> Record:
         return {"numbers": dict(exact_numbers(case.scene)), "ending": "", "settings": {}}
     own = simulate_case(case)  # nothing is compared with the truth here
     run = own.trajectory
-    numbers = {**_NOTHING, **nutations(run, case.scene)}
+    numbers: Numbers = dict.fromkeys(quantities_of(case.scene))
     if run is not None and len(run.time) > 1:
         numbers = _numbers_of_motion(run, case.scene)
-    return {"numbers": numbers, "ending": own.ending, "settings": dict(own.settings)}
+    return {"numbers": dict(numbers), "ending": own.ending, "settings": dict(own.settings)}
 
 
 def nutations(trajectory: Trajectory | None, scene: Scene) -> dict[str, float | None]:

@@ -96,7 +96,7 @@ def test_what_has_no_number_is_not_judged_and_says_why() -> None:
     )
     assert none.verdict.status is Status.NOT_JUDGED
     assert str(none.verdict) == "not judged: the plane would have to pull"
-    assert none.best is none.parts is none.short is none.long is None
+    assert (none.best, none.parts, none.short, none.long) == (None, None, None, None)
     own = OwnDerivative(
         base=none.base,
         settings="",
