@@ -227,7 +227,7 @@ def solve(
         bounces = confirmed.motion.bounces
     else:
         run, solved_by, used = _dispatch(
-            problem, model=model, method=method, rtol=rtol, locus=locus, compiled=compiled
+            problem, choice.model, model, method=method, rtol=rtol, locus=locus, compiled=compiled
         )
         bounces = measure_bounces(
             run.path,
@@ -252,7 +252,9 @@ def solve(
         steps=run.steps,
         evaluations=run.evaluations,
         path=run.path,
-        equations=equations_of(solved_by, problem),
+        equations=(
+            choice.equations if solved_by == choice.model else equations_of(solved_by, problem)
+        ),
         why=choice.why,
         phases=phases,
         agreement=None if confirmed is None else confirmed.agreement,
@@ -260,11 +262,20 @@ def solve(
 
 
 def _dispatch(
-    problem: Problem, *, model: str, method: str, rtol: float, locus: bool, compiled: bool
+    problem: Problem,
+    needed: str,
+    model: str,
+    *,
+    method: str,
+    rtol: float,
+    locus: bool,
+    compiled: bool,
 ) -> tuple[Run, str, str]:
-    """Return the run, the model that was solved in the end, and how."""
+    """Return the run, the model that was solved in the end, and how.
+
+    Of a problem that needs a model, with the model that is asked for.
+    """
     stepped = "DOP853" if method == "half-period" else method
-    needed = smallest(problem).model
     if (
         model == "auto"
         and needed != "rolling"

@@ -15,6 +15,7 @@ from reference.nonsmooth.events import (
     BEGUN,
     FLAT,
     FLAT_AND_PUSHED,
+    KINDS,
     LEAST_MOBILITY,
     LIMITS,
     LOOKS,
@@ -44,7 +45,6 @@ Limits = tuple[float, bool]
 Contact = tuple[Floats, Floats]
 """Arrays for a contact."""
 
-KINDS = tuple(EventKind)
 _AT = {kind: index for index, kind in enumerate(KINDS)}
 _MAXIMUM, _MINIMUM, _HORIZON = (
     _AT[EventKind.MAXIMUM],

@@ -48,7 +48,7 @@ from reference.nonsmooth.transitions import (
 )
 from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
-from reference.problem.states import Floats
+from reference.problem.states import Floats, States
 from reference.smooth.extrema import ExtremumRecorder, Run
 
 # Chebyshev coefficients of a step fall geometrically: the last two below this leave no error that
@@ -124,8 +124,20 @@ class HybridIntegrator:
             self._see(piece, events(piece, self._equations, self.watch.t_end))
         path = SegmentsPath(self._pieces or [self._standing()], self._equations, locus=self._locus)
         track = self.watch.track()
-        there = path.at(track.times)
-        extrema = replace(track.extrema, x=there.x, y=there.y, slip=there.slip, force=there.force)
+        there, seen = path.at(track.times), track.extrema
+        extrema = States(
+            phi=seen.phi,
+            phi_dot=seen.phi_dot,
+            psi=seen.psi,
+            psi_dot=seen.psi_dot,
+            theta=seen.theta,
+            theta_dot=seen.theta_dot,
+            spin=seen.spin,
+            x=there.x,
+            y=there.y,
+            slip=there.slip,
+            force=there.force,
+        )
         tops = np.flatnonzero(track.maximum)
         return Run(
             path=path,
@@ -215,7 +227,8 @@ class HybridIntegrator:
         ):
             self._length = before
             return False
-        count = len(taken)
+        count, seen = len(taken), 0
+        times, leans = starts[:, TIME].tolist(), starts[:, LEAN].tolist()
         for number, length in enumerate(taken.tolist()):
             piece = Segment(
                 start=starts[number],
@@ -228,10 +241,12 @@ class HybridIntegrator:
                 self._see(piece, compiled_events(met))
                 return True
             self._pieces.append(piece)
-            for extremum in extrema[extrema[:, 0] == number]:
-                self._report(extremum[2:], maximum=bool(extremum[1] == kernels.MAXIMUM))
+            while seen < len(extrema) and extrema[seen, 0] == number:
+                self._report(extrema[seen, 2:], maximum=bool(extrema[seen, 1] == kernels.MAXIMUM))
+                seen += 1
             self._y = starts[number + 1]
-            self.watch.advance(float(self._y[TIME]), phi_of(float(self._y[LEAN])))
+            if self._counts:
+                self.watch.advance(times[number + 1], phi_of(leans[number + 1]))
             if self.watch.ended():
                 return True
         if reason == kernels.STOPS:

@@ -194,7 +194,8 @@ def _growing(
     _, across, contact = _yielding(equations, y, mode, rest, ASIDE + 2 * np.pi * steps)
     angles = ASIDE + _roots(across)
     # the same for every direction, but for round-off
-    falls = bool(np.median(contact.force[2] * contact.normal_mobility) > 0)
+    pulls = np.sort(contact.force[2] * contact.normal_mobility)
+    falls = bool(pulls[SAMPLES // 2 - 1] + pulls[SAMPLES // 2] > 0)
     if not angles.size:
         return (), 0, falls
     along, _, contact = _yielding(equations, y, mode, rest, angles)
