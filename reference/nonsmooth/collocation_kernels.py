@@ -14,7 +14,7 @@ import numpy as np
 
 from reference.equations.compiled_equations import CONTACT_ROWS, SLIPPING, Laws
 from reference.equations.kernels import contact_of, rates_at
-from reference.equations.rim_kernels import slipping_at
+from reference.equations.rim_kernels import WORK_ROWS, rim_rates, slipping_at
 from reference.equations.state_vector import (
     FLOOR,
     LEAN,
@@ -47,6 +47,9 @@ from reference.problem.states import Floats
 
 # Rounds after which a fixed point is given up, and after which each must gain a factor of two.
 _MOST, _PATIENCE = 30, 8
+# A change this small that shrinks as the last two did leaves less than this to the next round: a
+# third of what stands, for it is foreseen and not seen.
+_NEAR, _FORESEEN = 1e-6, STANDS / 3
 # A round of a stiff slip that leaves more than this of the last one's change is worth a new matrix.
 _SLOWLY = 0.3
 # Imaginary step of a slip, over its speed: nothing is subtracted.
@@ -199,13 +202,15 @@ def collocate(
         Whether the place of the contact and the works are wanted, and whether the slip is stiff.
     """
     along, stiff = choices
+    moments = E[16] > 0 or E[17] > 0
+    b = np.empty(WORK_ROWS * STAGES)
     n = 2 * STAGES if stiff else 0
     matrix, order, residual = np.empty((n, n)), np.empty(n, np.int64), np.empty(n)
     patience = 2 * _PATIENCE if stiff else _PATIENCE
     slow = True
     change, series, y, f, D, here = arrays
     work, size = (D, here), np.empty(ROWS)
-    before, stands, rounds = inf, False, 0
+    before, gain, stands, rounds = inf, 1.0, False, 0
     change[U2 + 1 :] = 0.0
     while rounds < _MOST and not stands:
         rounds += 1
@@ -213,7 +218,10 @@ def collocate(
             for j in range(STAGES):
                 y[i, j] = start[i] + change[i, j]
         _sizes(y, size)
-        evaluate(E, laws, y, f, work, stands)
+        if moments:
+            evaluate(E, laws, y, f, work, stands)
+        else:
+            rim_rates(E, laws[0], y, b, f)
         if stiff:
             if slow:
                 _slip_matrix(E, y, length, matrix)
@@ -246,16 +254,23 @@ def collocate(
             _integrate(f, i, length, y)
         moved = 0.0
         for i in core:
+            largest, total = 0.0, 0.0
             for j in range(STAGES):
-                apart = abs(y[i, j] - change[i, j]) / size[i]
-                if apart > moved or isnan(apart):
-                    moved = apart
-        change[: U2 + 1] = y[: U2 + 1]
+                apart = abs(y[i, j] - change[i, j])
+                largest = max(largest, apart)
+                total += apart
+            moved = inf if isnan(total) else max(moved, largest / size[i])
+        for i in range(U2 + 1):
+            for j in range(STAGES):
+                change[i, j] = y[i, j]
         if not moved < _HOPELESS or (rounds > patience and moved > before / 2 > _ALMOST):
             return -rounds
+        # or the next round would leave less than that
+        rate = moved / before if before < inf else 1.0
         stands = moved < _STANDS or (moved < _ALMOST and moved > before / 2)
+        stands |= moved < _NEAR and moved * max(rate, gain) < _FORESEEN
         slow = rounds == 1 or moved > _SLOWLY * before
-        before = moved
+        before, gain = moved, rate
     if not stands:
         return -rounds
     if along:

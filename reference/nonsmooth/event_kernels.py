@@ -115,7 +115,9 @@ def _sampled(
     """
     n = _BASIS.shape[1]
     y = np.empty((ROWS, n))
-    for i in range(ROWS):
+    # no margin depends on the place of the contact or the works
+    y[U2 + 1 :] = 0.0
+    for i in range(U2 + 1):
         for j in range(n):
             y[i, j] = 0.0
         for k in range(STAGES + 1):

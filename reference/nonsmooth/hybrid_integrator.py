@@ -62,6 +62,8 @@ QUIET = 1e-3
 # left nothing but round-off: beside a fall that is flat for a long time they double.
 LONGEST = 8.0
 FIRST = 0.05
+# The same of steps by fixed point, which cost next to nothing where they are refused.
+FIRST_ROUNDS = 0.4
 # A step shorter than this no longer moves a double.
 SHORTEST = 1e-15
 # A step that cannot be taken this near to where the rim jams cannot because of that.
@@ -105,6 +107,8 @@ class HybridIntegrator:
             self._y, mode = at_rest(self._y, mode)
         now = begin(equations, self._y, mode)
         rates = equations.rates(now.infinitesimal(self._y), now.mode)[:, 0]
+        if self._compiled and not mode.slips and not now.at_once:
+            self._length = FIRST_ROUNDS
         self.watch = ExtremumRecorder(problem, fall=-float(rates[W2] / rates[TIME]))
         self._go_on(now)
 

@@ -3,7 +3,7 @@
 Imported where a caller asks for compiled code.
 """
 
-from math import inf
+from math import inf, log
 
 import numpy as np
 
@@ -21,9 +21,10 @@ from reference.problem.states import Floats
 # Halvings of a step that does not converge before Newton's method for all has to take it, and by
 # how much more the steps after it may be longer, each than the one before.
 _MOST_SHORTER, _RELAXED = 4, 1.2
-# Of the harmonics of a step, the share that the next one is to use, and how much longer that may be
-# where a step leaves nothing but round-off.
+# Where a step leaves nothing but round-off its harmonics fall faster than they have to, and as a
+# power of its length: the next one is as much longer as lets them just fall, but for a margin.
 _USED, _MORE = 0.9, 8.0
+_FALL = -log(RESOLVED)
 MAXIMUM, MINIMUM = (tuple(EventKind).index(kind) for kind in (EventKind.MAXIMUM, EventKind.MINIMUM))
 _LONGEST, _NOISE, _RESOLVED, _SHARE, _SHORTEST = LONGEST, NOISE, RESOLVED, SHARE, SHORTEST
 _STOPPED = STOPPED
@@ -162,7 +163,8 @@ def march(
         count += 1
         grown = 0.9 * length * (_RESOLVED / max(tail, _NOISE)) ** (1 / STAGES)
         # a tail of round-off says that more is to be had: how much, the harmonics before it say
-        more = min(_MORE, max(1.0, _USED * STAGES / present)) * length
+        more = _USED * np.exp(_FALL * (1 / (present + 1) - 1 / (STAGES - 1)))
+        more = min(_MORE, max(1.0, more)) * length
         length = min(more if tail < _NOISE else min(grown, _LONGEST), longest)
         if laws[0]:
             left = _left_of_slip(E, laws, starts[count], (D, here))
