@@ -62,12 +62,14 @@ _FLOOR, _LEAST_SLIP, _QUIET, _RESOLVED = FLOOR, LEAST_SLIP, QUIET, RESOLVED
 
 
 @jit
-def extrapolated(series: Floats, cut: float, ratio: float, out: Floats) -> None:
+def extrapolated(series: Floats, harmonics: int, cut: float, ratio: float, out: Floats) -> None:
     """Write the change in a step by the polynomial of another, shape (13, STAGES), to `out`.
 
     Parameters
     ----------
     series : ndarray, shape (13, STAGES + 1)
+    harmonics : int
+        How many of them are more than round-off, which would grow beyond the other step.
     cut : float
         Where in the other step this one begins.
     ratio : float
@@ -79,7 +81,7 @@ def extrapolated(series: Floats, cut: float, ratio: float, out: Floats) -> None:
     for j in range(STAGES):
         x = 2 * (cut + ratio * _POINTS[j]) - 1
         before, wave, before_0, wave_0 = 1.0, x, 1.0, origin
-        for k in range(1, STAGES + 1):
+        for k in range(1, harmonics + 1):
             for i in range(ROWS):
                 out[i, j] += series[i, k] * (wave - wave_0)
             before, wave = wave, 2 * x * wave - before
