@@ -211,7 +211,7 @@ def collocate(
     patience = 2 * _PATIENCE if stiff else _PATIENCE
     slow = True
     change, series, y, f, D, here = arrays
-    work, size = (D, here), np.empty(ROWS)
+    work, size, tangent = (D, here), np.empty(ROWS), np.empty(STAGES)
     before, gain, stands, rounds = inf, 1.0, False, 0
     change[U2 + 1 :] = 0.0
     while rounds < _MOST and not stands:
@@ -248,7 +248,9 @@ def collocate(
         for i in range(LEAN, PSI + 1, PSI - LEAN):
             _integrate(f, i, length, y)
         for j in range(STAGES):
-            T = np.exp(start[LEAN] + y[LEAN, j])
+            tangent[j] = np.exp(start[LEAN] + y[LEAN, j])
+        for j in range(STAGES):
+            T = tangent[j]
             S = 2 * T / (1 + T * T)
             f[TIME, j] = S
             f[TOTAL, j] = S * (start[W3] + y[W3, j] + T * f[PSI, j])
@@ -304,9 +306,10 @@ def _sizes(y: Floats, size: Floats) -> None:
     for i in (W1, W2, W3):
         size[i] = max(size[i], _FLOOR * (1 + largest))
     slip = _LEAST_SLIP
+    square = slip * slip
     for j in range(STAGES):
-        slip = max(slip, np.hypot(y[U1, j], y[U2, j]))
-    size[U1] = size[U2] = slip
+        square = max(square, y[U1, j] * y[U1, j] + y[U2, j] * y[U2, j])
+    size[U1] = size[U2] = np.sqrt(square)
     for i in range(ROWS):
         size[i] = max(size[i], _LEAST)
 

@@ -98,7 +98,7 @@ class HybridIntegrator:
         self._locus = locus
         self._counts = problem.bounces is not None
         self._compiled = isinstance(equations, CompiledEquations)
-        self._y = released(problem)
+        self._y = released(problem, at=locus or not self._compiled)
         self._length = FIRST
         self._evaluations = 0
         self._pieces: list[Segment] = []
@@ -344,8 +344,9 @@ class HybridIntegrator:
         self._pieces.append(piece)
         self._y, self._now = piece.end, ModeTransition(mode=self._mode)
         self._switch(ending)
-        if not self.watch.ended():
-            self.watch.advance(float(self._y[TIME]), snapshot_of(self._y).phi)
+        if self._counts and not self.watch.ended():
+            phi = float(2 * np.arctan(np.exp(self._y[LEAN])))
+            self.watch.advance(float(self._y[TIME]), phi)
 
     def _report(self, y: Floats, *, maximum: bool) -> None:
         self.watch.extremum(float(y[TIME]), snapshot_of(y), maximum=maximum)

@@ -100,16 +100,22 @@ class SegmentsPath:
         # the time goes on over each switch
         self.end_times = [*self._starts[1:, TIME].tolist(), float(pieces[-1].end[TIME])]
         self._spans = np.array(self.end_times) - self._starts[:, TIME]
-        modes = [piece.mode for piece in pieces]
-        self._modes = list(dict.fromkeys(modes))
-        only = len(self._modes) == 1
-        self._mode = np.array([0 if only else self._modes.index(mode) for mode in modes])
+        self._modes: list[Mode] = []
+        numbers: list[int] = []
+        for piece, before in zip(pieces, (None, *pieces), strict=False):
+            if before is not None and piece.mode is before.mode:
+                numbers.append(numbers[-1])
+                continue
+            if piece.mode not in self._modes:
+                self._modes.append(piece.mode)
+            numbers.append(self._modes.index(piece.mode))
+        self._mode = np.array(numbers)
         self.t_end = self.end_times[-1]
 
     def rows(self, times: Floats) -> tuple[Floats, NDArray[np.intp]]:
         """Return all rows at the given times, shape (13, n), and in which piece each is."""
         number = np.searchsorted(self._starts[:, TIME], times, side="right") - 1
-        number = np.clip(number, 0, len(self._cuts) - 1)
+        number = np.minimum(np.maximum(number, 0), len(self._cuts) - 1)
         if isinstance(self._equations, CompiledEquations):
             from reference.nonsmooth import path_kernels
 

@@ -228,6 +228,11 @@ def _roots(values: Floats) -> Floats:
         At equal distances from 0 on.
     """
     c0, c1, c2 = np.fft.rfft(values)[:3]
-    z = np.roots([c2, c1, c0, np.conj(c1), np.conj(c2)])
+    if c2 == 0:
+        z = np.roots([c1, c0, np.conj(c1)])
+    else:
+        companion = np.diag(np.ones(3, complex), -1)
+        companion[0] = -np.array([c1, c0, np.conj(c1), np.conj(c2)]) / c2
+        z = np.linalg.eigvals(companion)
     angles = np.sort(np.angle(z[np.abs(np.abs(z) - 1) < ON_CIRCLE]))
     return angles[np.diff(angles, prepend=-np.inf) > ON_CIRCLE]

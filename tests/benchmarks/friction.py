@@ -33,7 +33,7 @@ _ROUNDINGS = 16 * float(np.finfo(float).eps)
 _BEGUN, _BEGUN_OF_TRUTH = 1e-2, 1e-3
 # Speed of a slip, in sqrt(g R), from which it is brought to rest in one step; and of the truth.
 _STOPPED, _STOPPED_OF_TRUTH = 1e-8, 1e-10
-_REPEATS = 3
+_REPEATS = 15
 # How many times faster than DOP853 the integrator is to be, of every scene.
 _FASTER = 10.0
 
