@@ -49,8 +49,8 @@ class Angles:
         return cls(T=T, S=2 * T / (1 + T * T), C=-np.tanh(lean))
 
 
-def released(problem: Problem) -> Floats:
-    """State at the release, with the can's centre over (0, 0)."""
+def released(problem: Problem, *, at: bool = True) -> Floats:
+    """State at the release, with the can's centre over (0, 0); the contact there without `at`."""
     p, e = problem.parameters, problem.effects
     y = np.zeros(ROWS)
     y[LEAN] = np.log(np.tan(problem.phi / 2))
@@ -58,7 +58,8 @@ def released(problem: Problem) -> Floats:
     y[TURN] = problem.psi_dot * S, -problem.phi_dot, problem.psi_dot * C + problem.theta_dot
     y[SLIP] = problem.slip
     y[PSI], y[TOTAL] = problem.psi, problem.psi + problem.theta
-    y[[X, Y]] = contact_from_middle(initial_states(problem), p, e)[0, :2]
+    if at:
+        y[[X, Y]] = contact_from_middle(initial_states(problem), p, e)[0, :2]
     return y
 
 

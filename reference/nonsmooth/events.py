@@ -49,6 +49,8 @@ class EventKind(Enum):
     ROLLS = auto()
 
 
+KINDS = tuple(EventKind)
+"""In the order in which compiled code numbers them."""
 LIMITS = {
     EventKind.LIFTS,
     EventKind.JAMS,
@@ -138,8 +140,7 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
 
 def compiled_events(located: Floats) -> list[Event]:
     """Return events of compiled code, each with the index of its kind and its place."""
-    kinds = tuple(EventKind)
-    return [Event(c=c, what=kinds[int(index)]) for index, c in located.tolist()]
+    return [Event(c=c, what=KINDS[int(index)]) for index, c in located.tolist()]
 
 
 def _zeros(

@@ -48,7 +48,7 @@ from reference.nonsmooth.transitions import (
 )
 from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
-from reference.problem.states import Floats
+from reference.problem.states import Floats, States
 from reference.smooth.extrema import ExtremumRecorder, Run
 
 # Chebyshev coefficients of a step fall geometrically: the last two below this leave no error that
@@ -62,6 +62,8 @@ QUIET = 1e-3
 # left nothing but round-off: beside a fall that is flat for a long time they double.
 LONGEST = 8.0
 FIRST = 0.05
+# The same of steps by fixed point, which cost next to nothing where they are refused.
+FIRST_ROUNDS = 0.4
 # A step shorter than this no longer moves a double.
 SHORTEST = 1e-15
 # A step that cannot be taken this near to where the rim jams cannot because of that.
@@ -96,7 +98,7 @@ class HybridIntegrator:
         self._locus = locus
         self._counts = problem.bounces is not None
         self._compiled = isinstance(equations, CompiledEquations)
-        self._y = released(problem)
+        self._y = released(problem, at=locus or not self._compiled)
         self._length = FIRST
         self._evaluations = 0
         self._pieces: list[Segment] = []
@@ -105,6 +107,8 @@ class HybridIntegrator:
             self._y, mode = at_rest(self._y, mode)
         now = begin(equations, self._y, mode)
         rates = equations.rates(now.infinitesimal(self._y), now.mode)[:, 0]
+        if self._compiled and not mode.slips and not now.at_once:
+            self._length = FIRST_ROUNDS
         self.watch = ExtremumRecorder(problem, fall=-float(rates[W2] / rates[TIME]))
         self._go_on(now)
 
@@ -124,8 +128,20 @@ class HybridIntegrator:
             self._see(piece, events(piece, self._equations, self.watch.t_end))
         path = SegmentsPath(self._pieces or [self._standing()], self._equations, locus=self._locus)
         track = self.watch.track()
-        there = path.at(track.times)
-        extrema = replace(track.extrema, x=there.x, y=there.y, slip=there.slip, force=there.force)
+        there, seen = path.at(track.times), track.extrema
+        extrema = States(
+            phi=seen.phi,
+            phi_dot=seen.phi_dot,
+            psi=seen.psi,
+            psi_dot=seen.psi_dot,
+            theta=seen.theta,
+            theta_dot=seen.theta_dot,
+            spin=seen.spin,
+            x=there.x,
+            y=there.y,
+            slip=there.slip,
+            force=there.force,
+        )
         tops = np.flatnonzero(track.maximum)
         return Run(
             path=path,
@@ -215,7 +231,8 @@ class HybridIntegrator:
         ):
             self._length = before
             return False
-        count = len(taken)
+        count, seen = len(taken), 0
+        times, leans = starts[:, TIME].tolist(), starts[:, LEAN].tolist()
         for number, length in enumerate(taken.tolist()):
             piece = Segment(
                 start=starts[number],
@@ -228,10 +245,12 @@ class HybridIntegrator:
                 self._see(piece, compiled_events(met))
                 return True
             self._pieces.append(piece)
-            for extremum in extrema[extrema[:, 0] == number]:
-                self._report(extremum[2:], maximum=bool(extremum[1] == kernels.MAXIMUM))
+            while seen < len(extrema) and extrema[seen, 0] == number:
+                self._report(extrema[seen, 2:], maximum=bool(extrema[seen, 1] == kernels.MAXIMUM))
+                seen += 1
             self._y = starts[number + 1]
-            self.watch.advance(float(self._y[TIME]), phi_of(float(self._y[LEAN])))
+            if self._counts:
+                self.watch.advance(times[number + 1], phi_of(leans[number + 1]))
             if self.watch.ended():
                 return True
         if reason == kernels.STOPS:
@@ -325,8 +344,9 @@ class HybridIntegrator:
         self._pieces.append(piece)
         self._y, self._now = piece.end, ModeTransition(mode=self._mode)
         self._switch(ending)
-        if not self.watch.ended():
-            self.watch.advance(float(self._y[TIME]), snapshot_of(self._y).phi)
+        if self._counts and not self.watch.ended():
+            phi = float(2 * np.arctan(np.exp(self._y[LEAN])))
+            self.watch.advance(float(self._y[TIME]), phi)
 
     def _report(self, y: Floats, *, maximum: bool) -> None:
         self.watch.extremum(float(y[TIME]), snapshot_of(y), maximum=maximum)

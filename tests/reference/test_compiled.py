@@ -1,7 +1,7 @@
 """Compiled code gives what numpy gives: contact and rates to a few eps, motions to round-off."""
 
 import json
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +49,21 @@ EVERYTHING = Effects(
     rolling_resistance=0.002,
     gravity=Gravity(constant=TILT, amplitude=(0.05, 0.0, 0.1), rate=3.0, phase=0.3),
 )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Windy(Effects):
+    """Effects with one that no kernel carries."""
+
+    wind: float = 0.0
+
+
+@needs_numba
+@pytest.mark.parametrize(("wind", "method"), [(0.0, "half-period, compiled"), (1.0, "half-period")])
+def test_effects_that_no_kernel_carries_are_computed_in_numpy(wind: float, method: str) -> None:
+    problem = replace(GENTLE, duration=0.1, effects=Windy(mu=0.3, wind=wind))
+    assert CompiledEquations.know(problem.effects) == (wind == 0)
+    assert solve(problem, compiled=True).method == method
 
 
 @needs_numba
