@@ -47,6 +47,7 @@ class EventKind(Enum):
     HELD = auto()
     TURNS = auto()
     ROLLS = auto()
+    TOUCHES = auto()
 
 
 LIMITS = {
@@ -65,6 +66,7 @@ OF_THE_STATE = {
     EventKind.OVERTURNED,
     EventKind.FLAT,
     EventKind.HELD,
+    EventKind.TOUCHES,
 }
 """Events whose margin needs the state alone, and no force, which may have no direction yet."""
 
@@ -93,7 +95,9 @@ class EventSample:
 Margin = Callable[[EventSample], Floats]
 
 
-def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
+def events(
+    piece: Segment, equations: Equations, t_end: float, *, touches: Margin | None = None
+) -> list[Event]:
     """Return the events of a piece, in order, whether or not the piece is cut.
 
     Parameters
@@ -103,6 +107,8 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
     equations : Equations
     t_end : float
         The horizon.
+    touches : callable, optional
+        Of a can that flies: positive until the plane pushes again.
     """
     sifted = _sifted(piece, equations, t_end)
     if sifted is not None:
@@ -127,7 +133,7 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
 
     met = [
         Event(c=c, what=what)
-        for what, margin in _margins(piece, equations, t_end).items()
+        for what, margin in _margins(piece, equations, t_end, touches).items()
         for c in crossings(what, margin)
     ]
     return sorted(met, key=lambda event: event.c)
@@ -172,7 +178,9 @@ def _zeros(
     return roots
 
 
-def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[EventKind, Margin]:
+def _margins(
+    piece: Segment, equations: Equations, t_end: float, touches: Margin | None
+) -> dict[EventKind, Margin]:
     """Return the quantities that must stay positive in the mode of the piece."""
     mode = piece.mode
     flat = FLAT if equations.bilateral_normal else FLAT_AND_PUSHED
@@ -187,6 +195,9 @@ def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[EventKi
         margins[EventKind.MINIMUM] = lambda seen: seen.y[W2]
     if np.isfinite(t_end):
         margins[EventKind.HORIZON] = lambda seen: t_end - seen.y[TIME]
+    if touches is not None and mode.flies:
+        margins[EventKind.TOUCHES] = touches
+        return margins
     if not equations.bilateral_normal:
         margins[EventKind.LIFTS] = lambda seen: seen.contact.force[2]
     if mode.slips or equations.drilling or equations.resistance:

@@ -10,23 +10,21 @@ from dataclasses import replace
 import numpy as np
 
 from reference.equations.compiled_equations import CompiledEquations, laws_of
-from reference.equations.contact_laws import Equations, Kind, Mode, Phase
+from reference.equations.contact_laws import Equations, Mode
 from reference.equations.state_vector import (
     ALONG,
     LEAN,
-    ROWS,
     SLIP,
     TIME,
     TURN,
     W2,
     Index,
     phi_of,
-    released,
     sizes,
     snapshot_of,
 )
 from reference.nonsmooth.events import Event, EventKind, events
-from reference.nonsmooth.level_spin import HARDLY, level_turning, stands
+from reference.nonsmooth.level_spin import HARDLY, level_turning
 from reference.nonsmooth.radau_iia import (
     STAGES,
     basis,
@@ -37,10 +35,11 @@ from reference.nonsmooth.radau_iia import (
     step,
 )
 from reference.nonsmooth.segments import Segment, SegmentsPath
-from reference.nonsmooth.stopping import at_rest, halted, left_of_roll, left_of_slip, left_to_jam
+from reference.nonsmooth.stopping import halted, left_of_roll, left_of_slip, left_to_jam
 from reference.nonsmooth.transitions import (
     ModeTransition,
     begin,
+    begin_on_rim,
     begin_roll,
     begin_slip,
     settled,
@@ -94,17 +93,19 @@ class HybridIntegrator:
         self._equations = equations
         self._locus = locus
         self._compiled = isinstance(equations, CompiledEquations)
-        self._y = released(problem)
         self._length = FIRST
         self._evaluations = 0
         self._pieces: list[Segment] = []
-        mode = Mode(slips=problem.slip != (0.0, 0.0))
-        if equations.resistance and stands(self._y[:, None])[0]:
-            self._y, mode = at_rest(self._y, mode)
-        now = begin(equations, self._y, mode)
+        self._y, now = self._released(problem)
         rates = equations.rates(now.infinitesimal(self._y), now.mode)[:, 0]
-        self.watch = ExtremumRecorder(problem, fall=-float(rates[W2] / rates[TIME]))
+        self.watch = self._recorder(problem, -float(rates[W2] / rates[TIME]))
         self._go_on(now)
+
+    def _released(self, problem: Problem) -> tuple[Floats, ModeTransition]:
+        return begin_on_rim(self._equations, problem)
+
+    def _recorder(self, problem: Problem, fall: float) -> ExtremumRecorder:
+        return ExtremumRecorder(problem, fall=fall)
 
     @property
     def _mode(self) -> Mode:
@@ -120,17 +121,28 @@ class HybridIntegrator:
                 self.watch.end(float(self._y[TIME]), self._stuck())
                 break
             self._see(piece)
-        path = SegmentsPath(self._pieces or [self._standing()], self._equations, locus=self._locus)
+        path = self._path(self._pieces or [self._standing()])
         track = self.watch.track()
         there = path.at(track.times)
-        extrema = replace(track.extrema, x=there.x, y=there.y, slip=there.slip, force=there.force)
+        extrema = replace(
+            track.extrema,
+            x=there.x,
+            y=there.y,
+            slip=there.slip,
+            force=there.force,
+            depth=there.depth,
+            rise=there.rise,
+        )
         return Run(
             path=path,
             track=replace(track, extrema=extrema),
             steps=len(self._pieces),
             evaluations=self._evaluations,
-            phases=tuple(self._phases(path.end_times)),
+            phases=path.phases(),
         )
+
+    def _path(self, pieces: list[Segment]) -> SegmentsPath:
+        return SegmentsPath(pieces, self._equations, locus=self._locus)
 
     def _stuck(self) -> Outcome:
         """Return why there is no next step."""
@@ -149,7 +161,7 @@ class HybridIntegrator:
                 self._y[rows],
                 length,
                 self._guess(length)[rows],
-                lambda core: sizes(rows, core),
+                lambda core: self._sizes(rows, core),
             )
             self._evaluations += taken.evaluations * STAGES
             if taken.change is None or not self._sets_out(taken.change[:, 0], rows):
@@ -162,6 +174,10 @@ class HybridIntegrator:
                 continue
             return self._taken(series, length, tail)
         return None
+
+    def _sizes(self, rows: Index, core: Floats) -> Floats:
+        """Return the size of each entry of the core, shape (rows, n)."""
+        return sizes(rows, core)
 
     def _taken(self, series: Floats, length: float, tail: float) -> Segment:
         """Return a step that is resolved, and choose the length of the next."""
@@ -253,10 +269,10 @@ class HybridIntegrator:
         Only the place of the contact needs the angles before it; it and the works are left out
         where the contact locus is not asked for.
         """
-        change = np.zeros((ROWS, STAGES))
+        change = np.zeros((self._y.size, STAGES))
         change[rows] = core
         done = set(rows.tolist()) | (set() if self._locus else ALONG)
-        others = [row for row in range(ROWS) if row not in done]
+        others = [row for row in range(self._y.size) if row not in done]
         for _ in range(2 if self._locus else 1):
             y = self._y[:, None] + change
             rates = self._equations.rates(y, self._mode, along=self._locus)
@@ -264,7 +280,7 @@ class HybridIntegrator:
         return coefficients(change)
 
     def _tail(self, series: Floats) -> float:
-        size = np.abs(self._y) + np.abs(series).sum(axis=1)
+        size = np.abs(self._y[: len(series)]) + np.abs(series).sum(axis=1)
         size[LEAN] = 1.0
         size[SLIP] = np.hypot(*size[SLIP])
         size = np.maximum(size, 1e-9 * size.max())
@@ -296,7 +312,7 @@ class HybridIntegrator:
     def _see(self, piece: Segment) -> None:
         """Report a step up to its first event, and continue from there."""
         cut, ending = 1.0, None
-        for event in events(piece, self._equations, self.watch.t_end):
+        for event in self._events(piece):
             if event.what in EXTREMA:
                 y = self._state_at(piece, event.c)
                 self.watch.extremum(
@@ -313,6 +329,9 @@ class HybridIntegrator:
         self._switch(ending)
         if not self.watch.ended():
             self.watch.advance(float(self._y[TIME]), snapshot_of(self._y).phi)
+
+    def _events(self, piece: Segment) -> list[Event]:
+        return events(piece, self._equations, self.watch.t_end)
 
     def _state_at(self, piece: Segment, c: float) -> Floats:
         """Return the state, shape (13,), at one place of a step."""
@@ -367,7 +386,7 @@ class HybridIntegrator:
             self.watch.end(float(self._y[TIME]), now.ending)
 
     def _standing(self) -> Segment:
-        series = np.zeros((ROWS, STAGES + 1))
+        series = np.zeros((self._y.size, STAGES + 1))
         # what begins has its direction, though there is no step
         if self._now.at_once:
             series[:, 1] = HARDLY * self._guess(1.0)[:, -1]
@@ -378,14 +397,3 @@ class HybridIntegrator:
             length=0.0,
             mode=self._mode,
         )
-
-    def _phases(self, end_times: list[float]) -> list[Phase]:
-        phases: list[Phase] = []
-        for piece, end in zip(self._pieces, end_times, strict=False):
-            kind: Kind = piece.mode.kind
-            start = float(piece.start[TIME])
-            if phases and phases[-1].kind is kind:
-                phases[-1] = replace(phases[-1], end=end)
-            else:
-                phases.append(Phase(kind=kind, start=start, end=end))
-        return phases

@@ -1,13 +1,13 @@
 """Dense output of the hybrid integrator: pieces, each a polynomial in the time of the rim."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reference.equations.compiled_equations import CompiledEquations
-from reference.equations.contact_laws import Equations, Mode
+from reference.equations.contact_laws import Equations, Mode, Phase
 from reference.equations.frames import to_level
 from reference.equations.state_vector import (
     DISSIPATED,
@@ -92,6 +92,17 @@ class SegmentsPath:
         self._modes = list(dict.fromkeys(modes))
         self._mode = np.array([self._modes.index(mode) for mode in modes])
         self.t_end = self.end_times[-1]
+
+    def phases(self) -> tuple[Phase, ...]:
+        """Return the intervals of one kind of contact, in order; none of a path of no duration."""
+        phases: list[Phase] = []
+        for piece, end in zip(self.pieces, self.end_times, strict=True):
+            kind, start = piece.mode.kind, float(piece.start[TIME])
+            if phases and phases[-1].kind is kind:
+                phases[-1] = replace(phases[-1], end=end)
+            elif piece.length > 0:
+                phases.append(Phase(kind=kind, start=start, end=end))
+        return tuple(phases)
 
     def rows(self, times: Floats) -> tuple[Floats, NDArray[np.intp]]:
         """Return all rows at the given times, shape (13, n), and in which piece each is."""
