@@ -90,8 +90,14 @@ class CompliantEquations(GeneralEquations):
         return np.asarray(_odd_power(depth, self.law.exponent) * yielding)
 
     def touching(self, y: Floats) -> Floats:
-        """Return a margin that is positive where the rim is in the plane and pushed, shape (n,)."""
-        return np.minimum(self.elastic_force(y[DEPTH]), self.pressing(y))
+        """Return a margin that is positive where the rim is in the plane and pushed, shape (n,).
+
+        Of the factors of the law, for a power of the depth is too flat at zero to find its root.
+        """
+        if self.law.exponent == LINEAR:
+            return np.minimum(self.elastic_force(y[DEPTH]), self.pressing(y))
+        yielding = 1 - self.law.damping / self.law.stiffness * y[RISE]
+        return np.minimum(y[DEPTH] / self.law.depth_under(1.0), yielding)
 
     def stored(self, depth: Floats) -> Floats:
         """Return the elastic energy over m g R of a contact at a depth, shape (n,)."""

@@ -23,6 +23,7 @@ from reference.nonsmooth.events import Event, EventKind, events
 from reference.nonsmooth.hybrid_integrator import LONGEST, HybridIntegrator
 from reference.nonsmooth.level_spin import stands
 from reference.nonsmooth.segments import Segment, SegmentsPath
+from reference.nonsmooth.stopping import STOPPED
 from reference.nonsmooth.transitions import ModeTransition, begin, begin_on_rim, turning
 from reference.problem.effects import LINEAR
 from reference.problem.outcome import Outcome
@@ -173,7 +174,7 @@ class CompliantIntegrator(HybridIntegrator):
             piece,
             self._equations,
             self.watch.t_end,
-            touches=lambda seen: -self._law.touching(seen.y),
+            pushes=lambda seen: self._law.touching(seen.y),
         )
 
     def _switch(self, event: Event | None) -> None:
@@ -200,12 +201,15 @@ class CompliantIntegrator(HybridIntegrator):
         surface = law.damping * y[RISE] / law.stiffness if law.exponent == LINEAR else 0.0
         y[DEPTH] = max(surface, 0.0) * (1 + BEGUN)
         y[DISSIPATED] -= self._law.stored(y[DEPTH])
-        slips = np.isfinite(self._law.mu)
+        slips = bool(np.isfinite(self._law.mu) and np.hypot(*y[SLIP]) > STOPPED)
         if not slips:
             y = self._law.landed(y, FLIGHT)
-        mode = self._rests(y, Mode(slips=bool(slips and np.hypot(*y[SLIP]) > 0)))
+        mode = self._rests(y, Mode(slips=slips))
         self._y = y
-        self._go_on(ModeTransition(mode=turning(self._law, y[:, None], mode)))
+        if self._law.pressing(y) > 0:
+            self._go_on(begin(self._law, y, mode))
+        else:
+            self._go_on(ModeTransition(mode=turning(self._law, y[:, None], mode)))
 
     def _ends_at_the_surface(self) -> bool:
         """Return whether the law has no force at depth zero, at any rate."""

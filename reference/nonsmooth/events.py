@@ -96,7 +96,7 @@ Margin = Callable[[EventSample], Floats]
 
 
 def events(
-    piece: Segment, equations: Equations, t_end: float, *, touches: Margin | None = None
+    piece: Segment, equations: Equations, t_end: float, *, pushes: Margin | None = None
 ) -> list[Event]:
     """Return the events of a piece, in order, whether or not the piece is cut.
 
@@ -107,8 +107,8 @@ def events(
     equations : Equations
     t_end : float
         The horizon.
-    touches : callable, optional
-        Of a can that flies: positive until the plane pushes again.
+    pushes : callable, optional
+        Of a contact that may be lost and found: positive where the plane pushes.
     """
     sifted = _sifted(piece, equations, t_end)
     if sifted is not None:
@@ -133,7 +133,7 @@ def events(
 
     met = [
         Event(c=c, what=what)
-        for what, margin in _margins(piece, equations, t_end, touches).items()
+        for what, margin in _margins(piece, equations, t_end, pushes).items()
         for c in crossings(what, margin)
     ]
     return sorted(met, key=lambda event: event.c)
@@ -179,7 +179,7 @@ def _zeros(
 
 
 def _margins(
-    piece: Segment, equations: Equations, t_end: float, touches: Margin | None
+    piece: Segment, equations: Equations, t_end: float, pushes: Margin | None
 ) -> dict[EventKind, Margin]:
     """Return the quantities that must stay positive in the mode of the piece."""
     mode = piece.mode
@@ -195,10 +195,12 @@ def _margins(
         margins[EventKind.MINIMUM] = lambda seen: seen.y[W2]
     if np.isfinite(t_end):
         margins[EventKind.HORIZON] = lambda seen: t_end - seen.y[TIME]
-    if touches is not None and mode.flies:
-        margins[EventKind.TOUCHES] = touches
+    if pushes is not None and mode.flies:
+        margins[EventKind.TOUCHES] = lambda seen: -pushes(seen)
         return margins
-    if not equations.bilateral_normal:
+    if pushes is not None:
+        margins[EventKind.LIFTS] = pushes
+    elif not equations.bilateral_normal:
         margins[EventKind.LIFTS] = lambda seen: seen.contact.force[2]
     if mode.slips or equations.drilling or equations.resistance:
         margins[EventKind.JAMS] = lambda seen: seen.contact.normal_mobility - LEAST_MOBILITY

@@ -12,7 +12,7 @@ import numpy as np
 from harness.engines.reference.to_reference_problem import Releases, problem, refusal
 from harness.engines.world import Floats
 from models.scene import Scene
-from reference.analysis.sensitivity import sensitivity
+from reference.analysis.sensitivity import YIELDS, sensitivity
 from reference.integrable.derivatives import QUANTITIES, batch_tangents
 from reference.integrable.tangents import BY
 from reference.numerics.jets import Jet, jet_cos, jet_sin, jet_sqrt
@@ -61,7 +61,7 @@ class Derivatives:
 def derivatives_of(scene: Scene) -> Derivatives:
     """Return the derivatives of the first bounce of a scene by its own numbers."""
     numbers = scene_numbers(scene)
-    reason = refusal(scene)
+    reason = refusal(scene) or (YIELDS if scene.effects.compliance is not None else "")
     if reason:
         none: dict[str, float | None] = dict.fromkeys(numbers)
         return Derivatives(
