@@ -186,6 +186,12 @@ class CompliantIntegrator(HybridIntegrator):
         elif not (event is None and self._mode.flies):
             super()._switch(event)
 
+    def _go_on(self, now: ModeTransition) -> None:
+        if now.ending is Outcome.LIFTED:
+            self._lift()
+        else:
+            super()._go_on(now)
+
     def _lift(self) -> None:
         """Let the can fly; the elastic energy that is left in the contact is lost."""
         y = self._y.copy()
