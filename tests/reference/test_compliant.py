@@ -124,7 +124,7 @@ def test_a_drop_on_hertz_is_what_its_energy_says() -> None:
     found, contact = dropped(Compliance(stiffness=stiffness, exponent=1.5))
 
     def kinetic(depth: float) -> float:
-        return HEIGHT + depth - stiffness * depth**2.5 / 2.5
+        return HEIGHT + depth - stiffness * math.pow(depth, 2.5) / 2.5
 
     top = scipy.optimize.brentq(kinetic, 1e-9, 1e-2, xtol=1e-18)
     assert deepest(found, contact) == pytest.approx(top, rel=1e-6)
