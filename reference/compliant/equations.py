@@ -79,7 +79,7 @@ class CompliantEquations(GeneralEquations):
     def elastic_force(self, depth: Floats) -> Floats:
         """Return the force over m g of a contact at rest; odd in the depth, shape (n,)."""
         n, k = self.law.exponent, self.law.stiffness
-        return k * depth if n == LINEAR else k * _odd_power(depth, n)
+        return np.asarray(k * depth if n == LINEAR else k * _odd_power(depth, n))
 
     def pressing(self, y: Floats) -> Floats:
         """Return the normal force over m g by the law, of either sign, shape (n,)."""
@@ -95,9 +95,9 @@ class CompliantEquations(GeneralEquations):
         Of the factors of the law, for a power of the depth is too flat at zero to find its root.
         """
         if self.law.exponent == LINEAR:
-            return np.minimum(self.elastic_force(y[DEPTH]), self.pressing(y))
+            return np.asarray(np.minimum(self.elastic_force(y[DEPTH]), self.pressing(y)))
         yielding = 1 - self.law.damping / self.law.stiffness * y[RISE]
-        return np.minimum(y[DEPTH] / self.law.depth_under(1.0), yielding)
+        return np.asarray(np.minimum(y[DEPTH] / self.law.depth_under(1.0), yielding))
 
     def stored(self, depth: Floats) -> Floats:
         """Return the elastic energy over m g R of a contact at a depth, shape (n,)."""

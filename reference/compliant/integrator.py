@@ -19,8 +19,8 @@ from reference.equations.contact_laws import Mode
 from reference.equations.newton_euler import GeneralEquations
 from reference.equations.state_vector import DISSIPATED, SLIP, Index, released, sizes
 from reference.equations.state_vector import ROWS as RIGID_ROWS
-from reference.nonsmooth.events import Event, EventKind, events
-from reference.nonsmooth.hybrid_integrator import LONGEST, HybridIntegrator
+from reference.nonsmooth.events import LOOKS, Event, EventKind, events
+from reference.nonsmooth.hybrid_integrator import LONGEST, SHORTEST, HybridIntegrator
 from reference.nonsmooth.level_spin import stands
 from reference.nonsmooth.segments import Segment, SegmentsPath
 from reference.nonsmooth.stopping import STOPPED
@@ -35,6 +35,8 @@ from reference.smooth.extrema import Extrema, ExtremumRecorder, Run
 SHARE_OF_BOUNCE = 0.01
 # A force of the law that begins at a depth is this share of it above zero: more than its round-off.
 BEGUN = 1e-14
+# Of a step: contact that is lost before it asks for a shorter one.
+HALF = 0.5
 FLIGHT = Mode(slips=True, flies=True)
 
 
@@ -165,6 +167,20 @@ class CompliantIntegrator(HybridIntegrator):
         size = np.abs(self._y[RIGID_ROWS:]) + np.abs(series[RIGID_ROWS:]).sum(axis=1)
         tail = np.abs(series[RIGID_ROWS:, -2:]).max(axis=1) / np.maximum(size, own)
         return max(super()._tail(series[:RIGID_ROWS]), float(tail.max()))
+
+    def _step(self) -> Segment | None:
+        """Take a step that does not go on for long where the plane would have to pull.
+
+        What it is there is of no use, and how large it is says nothing of how exact it must be.
+        """
+        piece = super()._step()
+        while piece is not None and not self._mode.flies:
+            pulled = np.flatnonzero(self._law.touching(piece.looked_at(LOOKS)) < 0)
+            if not pulled.size or LOOKS[pulled[0]] >= HALF or piece.length <= SHORTEST:
+                break
+            self._length = piece.length * LOOKS[max(pulled[0], 1)]
+            piece = super()._step()
+        return piece
 
     def _left(self) -> float:
         return LONGEST if self._mode.flies else super()._left()

@@ -131,7 +131,7 @@ def test_a_drop_on_hertz_is_what_its_energy_says() -> None:
 
     def slowness(u: float) -> float:
         # depth = top (1 - u^2), without the root's pole at the deepest point
-        return 2 * top * u / math.sqrt(2 * kinetic(top * (1 - u * u)))
+        return float(2 * top * u / math.sqrt(2 * kinetic(top * (1 - u * u))))
 
     half, _ = scipy.integrate.quad(slowness, 0, 1, epsrel=1e-11)
     assert contact.end - contact.start == pytest.approx(2 * half, rel=1e-10)
