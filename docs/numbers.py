@@ -142,6 +142,18 @@ def attribution() -> dict[str, str]:
     return facts
 
 
+def compliance() -> dict[str, str]:
+    """Return of each engine the parts of the error of the turn on a contact that gives way."""
+    rows = []
+    for engine, label in ENGINES.items():
+        table = csv(f"compliance-{engine}/soft-rock-{engine}-matched-split.csv")
+        turn = table[table["quantity"] == "turn_deg"].iloc[0]
+        parts = ("softness", "model_form", "limit_uncertainty", "discretisation", "total")
+        rows.append([label, *(f"{turn[part]:+.2g}" for part in parts)])
+    head = ("engine", "softness", "model form", "known to", "discretisation", "total")
+    return {"table": markdown(head, rows)}
+
+
 def effects() -> dict[str, str]:
     """Return by how much each effect changes the turn: exactly, and in each engine."""
     table = csv("effects/gentle-rock-effects.csv")
@@ -321,6 +333,7 @@ SOURCES: Mapping[str, Source] = {
         guide,
         history,
         attribution,
+        compliance,
         effects,
         rim,
         cost,

@@ -4,11 +4,15 @@ Each class holds the constants of one law, in SI units. N is the normal force of
 can, v_c the velocity of the can's material at the contact relative to the plane.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import ClassVar
 
 from models.errors import InvalidValueError
 from models.quantity import finite, not_negative, positive
+
+ADDED_LATER = MappingProxyType({"left out at its default": True})
+"""Metadata of a constant that a law got later: scenes that leave it out keep their digest."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,14 +47,20 @@ class Slip:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Compliance:
-    """A contact that gives way: N = max(0, k d + b d') at the depth d of the rim in the plane.
+    """A contact that gives way, at the depth d of the rim's lowest point in the plane.
+
+    With the exponent n = 1 the normal force is N = max(0, k d + b d'), a linear spring and damper.
+    With n > 1 it is N = max(0, d^n (k + b d')), which is Hertz's contact for n = 3/2, with the
+    damping of Hunt and Crossley (J. Appl. Mech. 42, 1975, 440), which is zero at the first touch.
 
     Parameters
     ----------
     stiffness : float
-        k, N/m, greater than zero; rigid is its limit at infinity.
+        k, N/m^n, greater than zero; rigid is its limit at infinity.
     damping : float
-        b, N s/m, zero or greater.
+        b, zero or greater; N s/m for n = 1, N s/m^(n+1) for n > 1.
+    exponent : float
+        n, from 1 to 2.
 
     Raises
     ------
@@ -59,17 +69,28 @@ class Compliance:
     """
 
     modelling_choice: ClassVar[str] = (
-        "A compliant contact is a linear spring and damper that never pulls, whatever the "
-        "depth and its rate."
+        "A compliant contact is a spring and a damper at the lowest point of the rim, by one law "
+        "whatever the depth and its rate, and never pulls."
     )
 
     stiffness: float
     damping: float = 0.0
+    exponent: float = field(default=1.0, metadata=ADDED_LATER)
 
     def __post_init__(self) -> None:
         """Refuse a contact that pulls or drives."""
         object.__setattr__(self, "stiffness", positive("stiffness", self.stiffness))
         object.__setattr__(self, "damping", not_negative("damping", self.damping))
+        allowed = "a number from 1 (linear) to 2; 1.5 is Hertz's"
+        exponent = finite("exponent", self.exponent, allowed)
+        if not 1.0 <= exponent <= 2.0:  # noqa: PLR2004 - as the sentence says
+            raise InvalidValueError("exponent", exponent, allowed)
+        object.__setattr__(self, "exponent", exponent)
+
+    @property
+    def linear(self) -> bool:
+        """Whether it is a linear spring and damper."""
+        return self.exponent == 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

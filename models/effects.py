@@ -6,13 +6,14 @@ the law supposes: those of the contact are in `models.contact_effects`, those of
 surroundings in `models.body_effects`.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import astuple, dataclass, fields
 from types import MappingProxyType
 from typing import Any
 
 from models.body_effects import Damping, PointMass, Shake, Tilt
 from models.can import Can
 from models.contact_effects import (
+    ADDED_LATER,
     Compliance,
     Drilling,
     Restitution,
@@ -130,6 +131,15 @@ def modelling_choices(effects: Effects) -> tuple[str, ...]:
 
 IDEAL = Effects()
 """No effect at all: rigid, no slip, no loss, level, at rest."""
+
+
+def constants_of(effect: Any) -> dict[str, float]:  # noqa: ANN401 - of any kind
+    """Return the constants of an effect by name, without those added later at their defaults."""
+    return {
+        each.name: value
+        for each, value in zip(fields(effect), astuple(effect), strict=True)
+        if not (each.metadata == ADDED_LATER and value == each.default)
+    }
 
 
 def check_fits(effects: Effects, can: Can) -> None:

@@ -1,11 +1,11 @@
 """The scene: a can, its release, the effects it is subject to, and how long to watch."""
 
 import re
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 from models.can import Can
-from models.effects import Effects, check_fits
+from models.effects import Effects, check_fits, constants_of
 from models.errors import InvalidValueError
 from models.quantity import not_negative, positive
 from models.release import Release
@@ -148,6 +148,6 @@ class Scene:
                 else {"bounces": horizon.bounces}
             ),
             "effects": {
-                name: asdict(getattr(self.effects, name)) for name in self.effects.declared()
+                name: constants_of(getattr(self.effects, name)) for name in self.effects.declared()
             },
         }

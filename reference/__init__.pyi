@@ -25,7 +25,7 @@ from .equations.steady_motion import (
 from .integrable.cycle import PeriodicMotions, exact_bounces
 from .numerics.compiled import path_taken
 from .problem.can import PAPER_CAN, ParameterError, Parameters
-from .problem.effects import EffectError, Effects, Gravity, Mass
+from .problem.effects import Compliance, EffectError, Effects, Gravity, Mass
 from .problem.outcome import Outcome
 from .problem.problem import Problem, ProblemError
 from .problem.states import States
@@ -53,6 +53,7 @@ __all__ = [
     "Agreement",
     "Bounce",
     "Choice",
+    "Compliance",
     "Divergence",
     "EffectError",
     "Effects",

@@ -6,6 +6,7 @@ The smallest model that carries a problem follows from its effects and its relea
     frictionless  mu = 0: one degree of freedom and two conserved momenta              2
     rolling       nothing is declared: the rim never slips                             4
     coulomb       slip is declared: sticks while it may, slips beyond                  6
+    compliant     the contact gives way: as general, with the depth of the rim and its rate     11
     general       anything else: six velocities, and the angles and the time that the forces
                   depend on                                                            up to 9
 
@@ -59,6 +60,14 @@ class Choice:
 def smallest(problem: Problem) -> Choice:
     """Return the smallest model that carries a problem."""
     effects, declared = problem.effects, problem.effects.declared()
+    if effects.compliance is not None:
+        others = ", ".join(name.replace("_", " ") for name in declared if name != "compliance")
+        why = "Declared: compliance; the rim has a depth, and the plane pushes by the law of it."
+        return Choice(
+            model="compliant",
+            equations=equations_of("compliant", problem),
+            why=f"{why} Beside it: {others}." if others else why,
+        )
     if declared == ("slip",) and effects.mu == 0:
         why = "The plane is declared without friction: two momenta are conserved."
         return Choice(model="frictionless", equations=2, why=why)
@@ -82,11 +91,12 @@ def smallest(problem: Problem) -> Choice:
 
 def equations_of(model: str, problem: Problem) -> int:
     """Return how many equations a model integrates together for a problem."""
-    if model == "general":
+    if model in {"general", "compliant"}:
         from reference.equations.newton_euler import GeneralEquations
 
         equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
-        return len(equations.core(Mode(slips=problem.effects.mu is not None)))
+        core = len(equations.core(Mode(slips=problem.effects.mu is not None)))
+        return core if model == "general" else core + 2
     counts = {"pendulum": 2, "frictionless": 2, "coulomb": 6, "reduced": 2}
     return counts.get(model, 0 if model in {"exact", "asymptotic"} else 4)
 
@@ -100,6 +110,7 @@ def carries(model: str, problem: Problem) -> bool:
         "frictionless": ("frictionless", "coulomb", "general"),
         "coulomb": ("coulomb", "general"),
         "general": ("general",),
+        "compliant": ("compliant",),
     }
     return model in larger[needed]
 
@@ -115,11 +126,12 @@ MODELS = (
     "rolling",
     "coulomb",
     "general",
+    "compliant",
     "exact",
     "reduced",
     "asymptotic",
 )
-WITH_LOCUS = ("auto", "pendulum", "frictionless", "rolling", "coulomb", "general", "exact")
+WITH_LOCUS = tuple(model for model in MODELS if model not in {"reduced", "asymptotic"})
 WITHOUT_SLIP = ("pendulum", "rolling", "exact")
 
 
@@ -282,7 +294,7 @@ def _dispatch(
         and (method == "half-period" or needed != "pendulum")
     ):
         model = needed
-    if model in {"coulomb", "general"} and method != "half-period":
+    if model in {"coulomb", "general", "compliant"} and method != "half-period":
         sentence = f"`method` of model {model!r} is 'half-period' alone, not {method!r}"
         raise SolverError("method", method, "half-period", sentence)
     if compiled and model in {"coulomb", "general"}:
@@ -298,6 +310,7 @@ def _dispatch(
         "frictionless": lambda: (_without_friction(problem, method, rtol), method),
         "coulomb": lambda: (_with_phases(problem, model, locus=locus, compiled=compiled), named),
         "general": lambda: (_with_phases(problem, model, locus=locus, compiled=compiled), named),
+        "compliant": lambda: (_yielding(problem, locus=locus), method),
     }
     if model in smaller:
         run, used = smaller[model]()
@@ -333,19 +346,34 @@ def _without_friction(problem: Problem, method: str, rtol: float) -> Run:
     return solve_frictionless(problem, method=method, rtol=rtol)
 
 
+def _yielding(problem: Problem, *, locus: bool) -> Run:
+    from reference.compliant.equations import CompliantEquations
+    from reference.compliant.integrator import CompliantIntegrator
+
+    law = problem.effects.compliance
+    if law is None:
+        sentence = "`model` 'compliant' needs `effects.compliance`: how the contact gives way"
+        raise SolverError("model", "compliant", "another without a compliance", sentence)
+    equations = CompliantEquations(parameters=problem.parameters, effects=problem.effects, law=law)
+    return CompliantIntegrator(problem, equations, locus=locus).run()
+
+
 def _with_phases(problem: Problem, model: str, *, locus: bool, compiled: bool) -> Run:
-    from reference.equations.compiled_equations import CompiledEquations
     from reference.equations.coulomb import CoulombEquations
     from reference.equations.newton_euler import GeneralEquations
     from reference.nonsmooth.hybrid_integrator import HybridIntegrator
 
     parameters, effects = problem.parameters, problem.effects
-    equations: CoulombEquations | GeneralEquations | CompiledEquations
+    equations: CoulombEquations | GeneralEquations
     if model == "coulomb":
         mu = float("inf") if effects.mu is None else effects.mu
         equations = CoulombEquations(parameters=parameters, mu=mu)
     else:
         equations = GeneralEquations(parameters=parameters, effects=effects)
     if compiled:
-        equations = CompiledEquations.of(equations, problem)
+        from reference.equations.compiled_equations import CompiledEquations
+        from reference.nonsmooth.compiled_integrator import CompiledIntegrator
+
+        own = CompiledEquations.of(equations, problem)
+        return CompiledIntegrator(problem, own, locus=locus).run()
     return HybridIntegrator(problem, equations, locus=locus).run()

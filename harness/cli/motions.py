@@ -274,6 +274,10 @@ def _why(truth: Truth, asked: str) -> str:
     )
 
 
+_PHASES = 12
+"""Phases that are printed; a contact that vibrates has hundreds, all of which `--json` lists."""
+
+
 def sentences(answer: Answer) -> Iterable[str]:
     """Yield the sentences on an answer of `reference`, a paragraph each."""
     if answer["model"] is not None:
@@ -282,8 +286,9 @@ def sentences(answer: Answer) -> Iterable[str]:
     yield from _confirmed(answer["agreement"])
     phases = answer["phases"]
     if len(phases) > 1 or any(phase["kind"] == "slip" for phase in phases):
-        spelled = (f"{p['kind']} {p['start_s']:.6g} to {p['end_s']:.6g}" for p in phases)
-        yield f"Phases, s: {', '.join(spelled)}."
+        spelled = [f"{p['kind']} {p['start_s']:.6g} to {p['end_s']:.6g}" for p in phases]
+        more = f", and {len(phases) - _PHASES} more" if len(phases) > _PHASES else ""
+        yield f"Phases, s: {', '.join(spelled[:_PHASES])}{more}."
     yield from chaos_sentences(answer)
     if "derivatives" in answer:
         yield from derivatives_sentences(answer)

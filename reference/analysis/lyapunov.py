@@ -6,6 +6,8 @@ difference of two computations means nothing. Disturbances of the release by one
 integrated by the variational equations (`reference.analysis.variational`). These are linear, so
 that a disturbance continues to grow beyond the largest possible distance of two motions. The
 distance of two motions is the angle between their orientations.
+
+On a contact that gives way disturbed releases are solved themselves, and disturbed by more.
 """
 
 from dataclasses import dataclass, replace
@@ -16,7 +18,7 @@ from reference.analysis.variational import DISTURBED, release_disturbances, stre
 from reference.equations.newton_euler import GeneralEquations
 from reference.nonsmooth.segments import SegmentsPath
 from reference.problem.problem import Problem
-from reference.problem.states import Floats
+from reference.problem.states import Floats, States
 from reference.solution import Solution
 from reference.solver import solve
 
@@ -30,6 +32,9 @@ GROWING = 1e-11
 # Copies of a regular motion part like time, or its square; by more than this it takes chaos, and an
 # engine's error of 1e-5 becomes as large as the motion.
 CHAOTIC = 1e4
+# Of the copies on a contact that gives way: above the round-off of what its stiffness multiplies.
+OF_COPIES = 1e-9
+INSTANTS = 400
 # Logarithm of the largest distance that is said: beyond it a double would overflow.
 LARGEST = 600.0
 
@@ -76,6 +81,8 @@ def divergence(problem: Problem, own: Solution | None = None) -> Divergence:
     """
     if own is None:
         own = solve(problem, model="auto")
+    if problem.effects.compliance is not None:
+        return _by_copies(problem, own)
     path = own.path
     if not isinstance(path, SegmentsPath):
         # closed forms have no pieces
@@ -92,6 +99,32 @@ def divergence(problem: Problem, own: Solution | None = None) -> Divergence:
             logs = np.log(stretch.angles()) + stretch.logarithms[:, None]
         logarithms.append(logs.max(axis=0))
     return _read(np.concatenate(times), np.maximum.accumulate(np.concatenate(logarithms)))
+
+
+def _by_copies(problem: Problem, own: Solution) -> Divergence:
+    """Return the divergence that solutions of disturbed releases show."""
+    until = replace(problem, bounces=None, duration=own.t_end)
+    largest = np.full(INSTANTS, -np.inf)
+    times = np.linspace(0.0, own.t_end, INSTANTS)
+    for name in DISTURBED:
+        value = getattr(problem, name)
+        step = OF_COPIES * max(abs(value), LEAST)
+        other = solve(replace(until, **{name: value + step}))
+        at = np.minimum(times, other.t_end)
+        distance = _angle_between(own.at(at), other.at(at))
+        with np.errstate(divide="ignore"):  # what is not disturbed at all
+            largest = np.maximum(largest, np.log(distance))
+    seen = np.maximum.accumulate(largest) + np.log(DISTURBANCE / OF_COPIES)
+    return _read(times[1:], seen[1:])
+
+
+def _angle_between(one: States, other: States) -> Floats:
+    """Return the angle of the rotation from one orientation to another, shape (n,), rad."""
+    lean = np.sin((one.phi - other.phi) / 2), np.sin(one.phi) * np.sin(other.phi)
+    turn = np.sin((one.psi - other.psi) / 2)
+    axes = 2 * np.arcsin(np.sqrt(np.clip(lean[0] ** 2 + lean[1] * turn**2, 0.0, 1.0)))
+    spin = (one.psi + one.theta) - (other.psi + other.theta)
+    return np.asarray(np.hypot(axes, 2 * np.abs(np.sin(spin / 2))))
 
 
 def _read(times: Floats, logarithms: Floats) -> Divergence:

@@ -20,6 +20,10 @@ from reference.problem.states import Floats
 
 # phi_max this near the balanced can, over phi_max, is beside a separatrix.
 NEAR = 1e-3
+YIELDS = (
+    "There are no variational equations of a contact that gives way: no derivatives of its motion "
+    "are taken."
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,7 +41,7 @@ class Sensitivity:
     why : mapping of str to str
         Why there is none, of those quantities.
     method : str
-        "quadrature" or "variational equations".
+        "quadrature", "variational equations", or "none" of a contact that gives way.
     caveats : tuple of str
         Sentences: which derivatives are of one side, and that those beside a separatrix are large.
     """
@@ -62,6 +66,8 @@ def sensitivity(problem: Problem) -> Sensitivity:
     problem : Problem
         Its horizon does not matter.
     """
+    if problem.effects.compliance is not None:
+        return _filled(BY, {}, dict.fromkeys(QUANTITIES, YIELDS), "none", ())
     path = None if problem.effects.declared() else exact_path(problem, locus=False)
     if isinstance(path, ExactPath):
         jets, why = bounce_tangents(problem, path)

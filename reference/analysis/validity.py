@@ -10,7 +10,7 @@ from enum import Enum
 
 import numpy as np
 
-from reference.equations.reaction_force import contact_force_in_world
+from reference.equations.reaction_force import contact_force_in_world, friction_ratio
 from reference.problem.outcome import Outcome
 from reference.problem.states import Floats, States
 from reference.solution import Solution
@@ -98,7 +98,7 @@ def examine(solution: Solution, times: Floats) -> Guard:
     normal = contact_force_in_world(states, parameters)[:, 2]
     peaks = [bounce.peak_friction_ratio for bounce in solution.bounces]
     friction = np.hypot(*contact_force_in_world(states, parameters)[:, :2].T)
-    ratio = np.divide(friction, normal, out=np.full_like(normal, np.inf), where=normal > 0)
+    ratio = friction_ratio(states, parameters)
     if solution.outcome is Outcome.LIFTED:
         ratio = ratio[normal >= LIGHT]
     guard = Guard(
@@ -106,7 +106,7 @@ def examine(solution: Solution, times: Floats) -> Guard:
         normal_force=float(normal.min()),
         phi_min=float(states.phi.min()),
         phi_max=float(states.phi.max()),
-        gap=float(2 * np.sin(states.phi.min())),
+        gap=_far_rim(states),
         findings=(),
     )
     return Guard(
@@ -117,6 +117,12 @@ def examine(solution: Solution, times: Floats) -> Guard:
         gap=guard.gap,
         findings=(*_findings(solution, guard), *_beyond_cone(solution, states, friction, normal)),
     )
+
+
+def _far_rim(states: States) -> float:
+    """Return the least height of the far rim above the plane, in R, shape (n,)."""
+    depth = 0.0 if states.depth is None else states.depth
+    return float((2 * np.sin(states.phi) - depth).min())
 
 
 def _beyond_cone(
@@ -150,13 +156,18 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
         findings.append(Finding(kind=FindingKind.LIMIT, sentence=solution.outcome.value))
     # at lift-off it is zero but for round-off, and the outcome has said so
     lifted = solution.outcome is Outcome.LIFTED
-    if never_slips and guard.normal_force <= 0 and not lifted:
+    yields = solution.problem.effects.compliance is not None
+    if never_slips and guard.normal_force <= 0 and not lifted and not yields:
         pull = f"Rolling asks the plane to pull, with up to {-guard.normal_force:.4g} m g: "
         sentence = f"{pull}a can that is only pushed lifts off. {NONE_CARRIES}"
         findings.append(Finding(kind=FindingKind.PULL, sentence=sentence))
     elif never_slips and guard.friction_ratio > PLENTY:
         findings.append(_slippery(solution, guard.friction_ratio))
-    if guard.gap < ATOM and solution.outcome is not Outcome.FELL_FLAT:
+    if yields and guard.gap < 0:
+        deep = f"The far rim comes {-guard.gap:.2g} R deep into the plane: a real can is pushed "
+        sentence = f"{deep}there as well, and the model at its lowest point alone. {NONE_CARRIES}"
+        findings.append(Finding(kind=FindingKind.FAR_RIM, sentence=sentence))
+    elif guard.gap < ATOM and solution.outcome is not Outcome.FELL_FLAT:
         near = f"The far rim comes within {guard.gap:.2g} R of the plane, less than an atom: "
         sentence = f"{near}a real can touches it with more than one point. {NONE_CARRIES}"
         findings.append(Finding(kind=FindingKind.FAR_RIM, sentence=sentence))
@@ -168,7 +179,11 @@ def _slippery(solution: Solution, ratio: float) -> Finding:
     needs = (
         f"Rolling needs a friction of {ratio:.4g}, which few pairs have: with less the rim slips"
     )
-    if solution.problem.effects.declared():
+    if solution.problem.effects.compliance is not None:
+        if not np.isfinite(ratio):
+            needs = "A rim that never slips needs friction without bound where its contact is lost"
+        sentence, model = f"{needs}. Declare slip: `compliant` carries it.", ""
+    elif solution.problem.effects.declared():
         sentence, model = f"{needs}. Declare slip: `general` carries it.", ""
     else:
         sentence, model = f"{needs}, and the scene should declare slip.", "coulomb"

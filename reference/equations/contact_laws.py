@@ -13,11 +13,12 @@ class Kind(Enum):
 
     STICK = "stick"
     SLIP = "slip"
+    FLIGHT = "flight"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Phase:
-    """An interval of time in which the rim sticks, or slips.
+    """An interval of time in which the rim sticks, slips, or is not pushed by the plane.
 
     Attributes
     ----------
@@ -43,15 +44,21 @@ class Mode:
         where there is none.
     rests : bool
         Whether rolling resistance holds the level part of the angular velocity at zero.
+    flies : bool
+        Whether the plane exerts no force; only where contact may be lost and found again. The rim
+        then moves freely, so that it slips as well.
     """
 
     slips: bool = False
     turns: int = 0
     rests: bool = False
+    flies: bool = False
 
     @property
     def kind(self) -> Kind:
         """In a word."""
+        if self.flies:
+            return Kind.FLIGHT
         return Kind.SLIP if self.slips else Kind.STICK
 
 

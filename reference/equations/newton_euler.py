@@ -128,8 +128,13 @@ class GeneralEquations:
 
     def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
         """Rates of all rows in sigma, shape (13, n); zero without `along` of what nothing needs."""
-        e, here = self.effects, self._setting(y, mode)
-        at, contact = here.at, self._contact(y, mode, here)
+        here = self._setting(y, mode)
+        return self._rates(y, mode, here, self._contact(y, mode, here), along=along)
+
+    def _rates(
+        self, y: Floats, mode: Mode, here: Setting, contact: Contact, *, along: bool
+    ) -> Floats:
+        e, at = self.effects, here.at
         w1, w2, w3 = y[TURN]
         # without level turning the axes stay, to the last bit
         rotation = np.zeros_like(w1) if mode.rests else at.S * w3 - at.C * w1
@@ -180,7 +185,7 @@ class GeneralEquations:
         )
         arm = point - centre
         turning = y[TURN]
-        slip = np.array([y[U1], y[U2], zero]) if mode.slips else np.zeros((3, zero.size))
+        slip = self._rim_velocity(y, mode)
         rotation = at.S * y[W3] - at.C * y[W1]
         through = np.array(
             [
@@ -205,6 +210,11 @@ class GeneralEquations:
             gravity=to_body(to_precessing(constant, cos, sin), at) + shaking,
             shaking=shaking,
         )
+
+    def _rim_velocity(self, y: Floats, mode: Mode) -> Floats:
+        """Return the velocity of the material at the contact, level directions, shape (3, n)."""
+        zero = np.zeros_like(y[U1])
+        return np.array([y[U1], y[U2], zero] if mode.slips else [zero, zero, zero])
 
     def moments_that_hold(self, mode: Mode) -> list[int]:
         """Return the components of (w, u) that moments of friction hold at zero in a mode."""
@@ -247,7 +257,8 @@ class GeneralEquations:
             law[[ROLLING_1, ROLLING_2]] = -e.rolling_resistance * level / length(*level)
         return law
 
-    def _contact(self, y: Floats, mode: Mode, here: Setting) -> Contact:
+    def _free(self, here: Setting) -> tuple[Floats, Floats]:
+        """Return (w', u') without a force of the plane, shape (6, n), and D, shape (n, 6, 6)."""
         e, at, w = self.effects, here.at, here.turning
         inverse: Floats = np.asarray(np.linalg.inv(np.moveaxis(here.inertia, -1, 0)))
         momentum = applied(here.inertia, w)
@@ -255,7 +266,12 @@ class GeneralEquations:
         free = np.einsum("nij,jn->in", inverse, torque)
         fall = at.S * (here.gravity - e.linear_damping * here.velocity)
         slide = fall + cross(free, here.arm) + cross(w, here.arm_rate)
-        mobility = _mobility(inverse, here, at)
+        start = np.concatenate([to_level(free, at), to_level(slide, at)])
+        return start, _mobility(inverse, here, at)
+
+    def _contact(self, y: Floats, mode: Mode, here: Setting) -> Contact:
+        e, at = self.effects, here.at
+        start, mobility = self._free(here)
         held = [NORMAL]
         if not mode.slips:
             held = [SLIP_1, SLIP_2, NORMAL]
@@ -264,7 +280,6 @@ class GeneralEquations:
         if mode.rests:
             held = [ROLLING_1, ROLLING_2, *held]
         law = self._law(y, mode)
-        start = np.concatenate([to_level(free, at), to_level(slide, at)])
         answer = np.einsum("nij,jn->in", mobility, law)
         columns = np.moveaxis(mobility[:, :, held], 0, -1)
         columns[:, -1] = answer

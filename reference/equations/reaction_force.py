@@ -75,12 +75,13 @@ def contact_force_in_world(states: States, parameters: Parameters) -> Floats:
 def friction_ratio(states: States, parameters: Parameters) -> Floats:
     """|F|/N, of a rolling can the friction coefficient it needs (eq01:friction_short), shape (n,).
 
-    Infinite where N is not positive: there the plane would have to pull.
+    Infinite where N is not positive: there the plane would have to pull. Zero where the plane
+    exerts no force at all: there the can flies.
     """
     F_x, F_y, N = contact_force_in_world(states, parameters).T
     friction = np.hypot(F_x, F_y)
     ratio: Floats = np.divide(friction, N, out=np.full_like(friction, np.inf), where=N > 0)
-    return ratio
+    return np.where((friction == 0) & (N == 0), 0.0, ratio)
 
 
 def contact_from_middle(states: States, parameters: Parameters, effects: Effects = IDEAL) -> Floats:
@@ -169,6 +170,8 @@ def middle_velocity(
     )
     if states.slip is not None:
         velocity[:, :2] += states.slip
+    if states.rise is not None:
+        velocity[:, 2] += states.rise
     return velocity
 
 
@@ -208,7 +211,8 @@ def middle_position(
     if states.x is None or states.y is None:
         sentence = 'the states have no contact point: ask for outputs={"contact_locus"}'
         raise RefusedError("outputs", None, "contact_locus", sentence)
-    contact = np.stack([states.x, states.y, np.zeros_like(states.x)], axis=-1)
+    height = np.zeros_like(states.x) if states.depth is None else -states.depth
+    contact = np.stack([states.x, states.y, height], axis=-1)
     return contact - contact_from_middle(states, parameters, _known(states, effects))
 
 

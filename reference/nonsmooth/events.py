@@ -47,6 +47,7 @@ class EventKind(Enum):
     HELD = auto()
     TURNS = auto()
     ROLLS = auto()
+    TOUCHES = auto()
 
 
 KINDS = tuple(EventKind)
@@ -67,6 +68,7 @@ OF_THE_STATE = {
     EventKind.OVERTURNED,
     EventKind.FLAT,
     EventKind.HELD,
+    EventKind.TOUCHES,
 }
 """Events whose margin needs the state alone, and no force, which may have no direction yet."""
 
@@ -95,7 +97,9 @@ class EventSample:
 Margin = Callable[[EventSample], Floats]
 
 
-def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
+def events(
+    piece: Segment, equations: Equations, t_end: float, *, pushes: Margin | None = None
+) -> list[Event]:
     """Return the events of a piece, in order, whether or not the piece is cut.
 
     Parameters
@@ -105,6 +109,8 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
     equations : Equations
     t_end : float
         The horizon.
+    pushes : callable, optional
+        Of a contact that may be lost and found: positive where the plane pushes.
     """
     if isinstance(equations, CompiledEquations):
         from reference.nonsmooth import event_kernels
@@ -132,7 +138,7 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
 
     met = [
         Event(c=c, what=what)
-        for what, margin in _margins(piece, equations, t_end).items()
+        for what, margin in _margins(piece, equations, t_end, pushes).items()
         for c in crossings(what, margin)
     ]
     return sorted(met, key=lambda event: event.c)
@@ -159,7 +165,9 @@ def _zeros(
     return roots
 
 
-def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[EventKind, Margin]:
+def _margins(
+    piece: Segment, equations: Equations, t_end: float, pushes: Margin | None
+) -> dict[EventKind, Margin]:
     """Return the quantities that must stay positive in the mode of the piece."""
     mode = piece.mode
     flat = FLAT if equations.bilateral_normal else FLAT_AND_PUSHED
@@ -174,7 +182,12 @@ def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[EventKi
         margins[EventKind.MINIMUM] = lambda seen: seen.y[W2]
     if np.isfinite(t_end):
         margins[EventKind.HORIZON] = lambda seen: t_end - seen.y[TIME]
-    if not equations.bilateral_normal:
+    if pushes is not None and mode.flies:
+        margins[EventKind.TOUCHES] = lambda seen: -pushes(seen)
+        return margins
+    if pushes is not None:
+        margins[EventKind.LIFTS] = pushes
+    elif not equations.bilateral_normal:
         margins[EventKind.LIFTS] = lambda seen: seen.contact.force[2]
     if mode.slips or equations.drilling or equations.resistance:
         margins[EventKind.JAMS] = lambda seen: seen.contact.normal_mobility - LEAST_MOBILITY

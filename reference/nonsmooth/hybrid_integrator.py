@@ -9,24 +9,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.equations.compiled_equations import CompiledEquations, laws_of
 from reference.equations.contact_laws import Equations, Mode
 from reference.equations.state_vector import (
     ALONG,
     LEAN,
-    ROWS,
     SLIP,
     TIME,
     TURN,
     W2,
     Index,
-    phi_of,
-    released,
     sizes,
     snapshot_of,
 )
-from reference.nonsmooth.events import Event, EventKind, compiled_events, events
-from reference.nonsmooth.level_spin import HARDLY, level_turning, stands
+from reference.nonsmooth.events import Event, EventKind, events
+from reference.nonsmooth.level_spin import HARDLY, level_turning
 from reference.nonsmooth.radau_iia import (
     STAGES,
     basis,
@@ -36,11 +32,12 @@ from reference.nonsmooth.radau_iia import (
     points,
     step,
 )
-from reference.nonsmooth.segments import Segment, SegmentsPath, phases_of
-from reference.nonsmooth.stopping import at_rest, halted, left_of_roll, left_of_slip, left_to_jam
+from reference.nonsmooth.segments import Segment, SegmentsPath
+from reference.nonsmooth.stopping import halted, left_of_roll, left_of_slip, left_to_jam
 from reference.nonsmooth.transitions import (
     ModeTransition,
     begin,
+    begin_on_rim,
     begin_roll,
     begin_slip,
     settled,
@@ -62,8 +59,6 @@ QUIET = 1e-3
 # left nothing but round-off: beside a fall that is flat for a long time they double.
 LONGEST = 8.0
 FIRST = 0.05
-# The same of steps by fixed point, which cost next to nothing where they are refused.
-FIRST_ROUNDS = 0.4
 # A step shorter than this no longer moves a double.
 SHORTEST = 1e-15
 # A step that cannot be taken this near to where the rim jams cannot because of that.
@@ -72,14 +67,8 @@ JAMMED = 10 * SHORTEST
 SHARE = 0.8
 # Evaluations of the equations that a motion may call for. `cusps` with friction takes 170 thousand.
 MOST_WORK = 200_000
-# Rounds of a fixed point that stand for an update of Newton's method, which does the same at less.
-ROUNDS_A_UPDATE = 4
 # Coefficients of a step by which the next one is guessed.
 EXTRAPOLATED = 8
-# Steps that compiled code takes before it reports them.
-STEPS_A_MARCH = 32
-# Basis of a step at the first of its points.
-FIRST_POINT = basis(points()[:1])[0]
 EXTREMA = (EventKind.MAXIMUM, EventKind.MINIMUM)
 ENDINGS = {
     EventKind.HORIZON: Outcome.FINISHED,
@@ -97,20 +86,19 @@ class HybridIntegrator:
         self._equations = equations
         self._locus = locus
         self._counts = problem.bounces is not None
-        self._compiled = isinstance(equations, CompiledEquations)
-        self._y = released(problem, at=locus or not self._compiled)
         self._length = FIRST
         self._evaluations = 0
         self._pieces: list[Segment] = []
-        mode = Mode(slips=problem.slip != (0.0, 0.0))
-        if equations.resistance and stands(self._y[:, None])[0]:
-            self._y, mode = at_rest(self._y, mode)
-        now = begin(equations, self._y, mode)
+        self._y, now = self._released(problem)
         rates = equations.rates(now.infinitesimal(self._y), now.mode)[:, 0]
-        if self._compiled and not mode.slips and not now.at_once:
-            self._length = FIRST_ROUNDS
-        self.watch = ExtremumRecorder(problem, fall=-float(rates[W2] / rates[TIME]))
+        self.watch = self._recorder(problem, -float(rates[W2] / rates[TIME]))
         self._go_on(now)
+
+    def _released(self, problem: Problem) -> tuple[Floats, ModeTransition]:
+        return begin_on_rim(self._equations, problem)
+
+    def _recorder(self, problem: Problem, fall: float) -> ExtremumRecorder:
+        return ExtremumRecorder(problem, fall=fall)
 
     @property
     def _mode(self) -> Mode:
@@ -125,8 +113,8 @@ class HybridIntegrator:
             if piece is None:
                 self.watch.end(float(self._y[TIME]), self._stuck())
                 break
-            self._see(piece, events(piece, self._equations, self.watch.t_end))
-        path = SegmentsPath(self._pieces or [self._standing()], self._equations, locus=self._locus)
+            self._see(piece, self._events(piece))
+        path = self._path(self._pieces or [self._standing()])
         track = self.watch.track()
         there, seen = path.at(track.times), track.extrema
         extrema = States(
@@ -141,6 +129,8 @@ class HybridIntegrator:
             y=there.y,
             slip=there.slip,
             force=there.force,
+            depth=there.depth,
+            rise=there.rise,
         )
         tops = np.flatnonzero(track.maximum)
         return Run(
@@ -149,8 +139,11 @@ class HybridIntegrator:
             track=replace(track, extrema=extrema),
             steps=len(self._pieces),
             evaluations=self._evaluations,
-            phases=phases_of(self._pieces, path.end_times),
+            phases=path.phases(),
         )
+
+    def _path(self, pieces: list[Segment]) -> SegmentsPath:
+        return SegmentsPath(pieces, self._equations, locus=self._locus)
 
     def _stuck(self) -> Outcome:
         """Return why there is no next step."""
@@ -169,7 +162,7 @@ class HybridIntegrator:
                 self._y[rows],
                 length,
                 self._guess(length)[rows],
-                lambda core: sizes(rows, core),
+                lambda core: self._sizes(rows, core),
             )
             self._evaluations += taken.evaluations * STAGES
             if taken.change is None or not self._sets_out(taken.change[:, 0], rows):
@@ -183,6 +176,10 @@ class HybridIntegrator:
             return self._taken(series, length, tail)
         return None
 
+    def _sizes(self, rows: Index, core: Floats) -> Floats:
+        """Return the size of each entry of the core, shape (rows, n)."""
+        return sizes(rows, core)
+
     def _taken(self, series: Floats, length: float, tail: float) -> Segment:
         """Return a step that is resolved, and choose the length of the next."""
         # a tail of round-off says only that more is to be had
@@ -192,70 +189,11 @@ class HybridIntegrator:
 
     def _most_work(self) -> int:
         """Return how many evaluations the motion may call for."""
-        return MOST_WORK * (ROUNDS_A_UPDATE if self._compiled else 1)
+        return MOST_WORK
 
     def _march(self) -> bool:
-        """Take steps of compiled equations by fixed point; return whether any was taken."""
-        now = self._now
-        if not isinstance(self._equations, CompiledEquations) or (
-            now.at_once and (self._equations.resistance > 0 or self._equations.drilling > 0)
-        ):
-            # what begins against several laws at once is for Newton's method
-            return False
-        most = self._most_work() - self._evaluations
-        if most < 0:
-            return False
-        from reference.nonsmooth import kernels
-
-        equations, mode, resisted = self._equations, self._mode, self._equations.resistance > 0
-        last, before = self._pieces[-1] if self._pieces else None, self._length
-        if not now.at_once and last is not None and last.mode == mode and last.length > 0:
-            polynomial, scale, cut = last.coefficients, last.length, last.cut
-        else:
-            scale, cut = self._length, 0.0
-            polynomial = coefficients(self._guess(scale))
-        reason, self._length, rounds, starts, series, taken, extrema, met = kernels.march(
-            equations.constants,
-            laws_of(mode),
-            self._y,
-            equations.core(mode),
-            (min(self._length, self._left()) if resisted else self._length, scale, cut),
-            polynomial,
-            (self.watch.t_end, equations.bilateral_normal),
-            (1 if resisted or now.at_once else STEPS_A_MARCH, most // STAGES + 1),
-            (self._locus, self._counts, now.at_once),
-        )
-        self._evaluations += rounds * STAGES
-        if now.at_once and (
-            not len(taken) or not self._sets_out(series[0] @ FIRST_POINT, np.arange(ROWS))
-        ):
-            self._length = before
-            return False
-        count, seen = len(taken), 0
-        times, leans = starts[:, TIME].tolist(), starts[:, LEAN].tolist()
-        for number, length in enumerate(taken.tolist()):
-            piece = Segment(
-                start=starts[number],
-                coefficients=series[number],
-                cut=1.0,
-                length=length,
-                mode=mode,
-            )
-            if resisted or now.at_once or (reason == kernels.LOOK and number == count - 1):
-                self._see(piece, compiled_events(met))
-                return True
-            self._pieces.append(piece)
-            while seen < len(extrema) and extrema[seen, 0] == number:
-                self._report(extrema[seen, 2:], maximum=bool(extrema[seen, 1] == kernels.MAXIMUM))
-                seen += 1
-            self._y = starts[number + 1]
-            if self._counts:
-                self.watch.advance(times[number + 1], phi_of(leans[number + 1]))
-            if self.watch.ended():
-                return True
-        if reason == kernels.STOPS:
-            self._halt()
-        return reason != kernels.STUCK
+        """Take steps all at once, where there is a way; return whether any was taken."""
+        return False
 
     def _sets_out(self, change: Floats, rows: Index) -> bool:
         """Return whether a slip or rolling that begins with a step keeps its admissible direction.
@@ -287,10 +225,10 @@ class HybridIntegrator:
         Only the place of the contact needs the angles before it; it and the works are left out
         where the contact locus is not asked for.
         """
-        change = np.zeros((ROWS, STAGES))
+        change = np.zeros((self._y.size, STAGES))
         change[rows] = core
         done = set(rows.tolist()) | (set() if self._locus else ALONG)
-        others = [row for row in range(ROWS) if row not in done]
+        others = [row for row in range(self._y.size) if row not in done]
         for _ in range(2 if self._locus else 1):
             y = self._y[:, None] + change
             rates = self._equations.rates(y, self._mode, along=self._locus)
@@ -298,7 +236,7 @@ class HybridIntegrator:
         return coefficients(change)
 
     def _tail(self, series: Floats) -> float:
-        size = np.abs(self._y) + np.abs(series).sum(axis=1)
+        size = np.abs(self._y[: len(series)]) + np.abs(series).sum(axis=1)
         size[LEAN] = 1.0
         size[SLIP] = np.hypot(*size[SLIP])
         size = np.maximum(size, 1e-9 * size.max())
@@ -351,15 +289,12 @@ class HybridIntegrator:
     def _report(self, y: Floats, *, maximum: bool) -> None:
         self.watch.extremum(float(y[TIME]), snapshot_of(y), maximum=maximum)
 
+    def _events(self, piece: Segment) -> list[Event]:
+        return events(piece, self._equations, self.watch.t_end)
+
     def _state_at(self, piece: Segment, c: float) -> Floats:
         """Return the state, shape (13,), at one place of a step."""
-        if not self._compiled:
-            return piece.at(np.array([c]))[:, 0]
-        from reference.nonsmooth import event_kernels
-
-        column = np.empty((ROWS, 1))
-        event_kernels.state_at(piece.start, piece.coefficients, c, column)
-        return column[:, 0]
+        return piece.at(np.array([c]))[:, 0]
 
     def _switch(self, event: Event | None) -> None:
         """Change the law or end the motion, at an event."""
@@ -406,7 +341,7 @@ class HybridIntegrator:
             self.watch.end(float(self._y[TIME]), now.ending)
 
     def _standing(self) -> Segment:
-        series = np.zeros((ROWS, STAGES + 1))
+        series = np.zeros((self._y.size, STAGES + 1))
         # what begins has its direction, though there is no step
         if self._now.at_once:
             series[:, 1] = HARDLY * self._guess(1.0)[:, -1]

@@ -76,17 +76,6 @@ class Segment:
         return self.start[:, None] + self.coefficients @ basis_at(c).T
 
 
-def phases_of(pieces: Sequence[Segment], end_times: Sequence[float]) -> tuple[Phase, ...]:
-    """Return the phases of sticking and slipping of pieces that end at given times."""
-    kinds = [piece.mode.kind for piece in pieces]
-    firsts = [n for n, kind in enumerate(kinds) if n == 0 or kind is not kinds[n - 1]]
-    lasts = [*(first - 1 for first in firsts[1:]), len(kinds) - 1]
-    return tuple(
-        Phase(kind=kinds[first], start=float(pieces[first].start[TIME]), end=end_times[last])
-        for first, last in zip(firsts, lasts, strict=False)
-    )
-
-
 class SegmentsPath:
     """A sequence of pieces, with or without the contact point and the works."""
 
@@ -111,6 +100,17 @@ class SegmentsPath:
             numbers.append(self._modes.index(piece.mode))
         self._mode = np.array(numbers)
         self.t_end = self.end_times[-1]
+
+    def phases(self) -> tuple[Phase, ...]:
+        """Return the intervals of one kind of contact, in order; none of a path of no duration."""
+        kinds = [piece.mode.kind for piece in self.pieces if piece.length > 0]
+        firsts = [n for n, kind in enumerate(kinds) if n == 0 or kind is not kinds[n - 1]]
+        lasts = [*(first - 1 for first in firsts[1:]), len(kinds) - 1]
+        starts, ends = self._starts[:, TIME].tolist(), self.end_times
+        return tuple(
+            Phase(kind=kinds[first], start=starts[first], end=ends[last])
+            for first, last in zip(firsts, lasts, strict=False)
+        )
 
     def rows(self, times: Floats) -> tuple[Floats, NDArray[np.intp]]:
         """Return all rows at the given times, shape (13, n), and in which piece each is."""

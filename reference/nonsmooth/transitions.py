@@ -23,8 +23,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reference.equations.contact_laws import Contact, Equations, Mode
-from reference.equations.state_vector import SLIP, TURN, U1, U2, W2
-from reference.nonsmooth.level_spin import with_level
+from reference.equations.state_vector import SLIP, TURN, U1, U2, W2, released
+from reference.nonsmooth.level_spin import stands, with_level
 from reference.nonsmooth.radau_iia import integrator
 from reference.nonsmooth.slip_onset import (
     LEAN_OF_CAN,
@@ -35,7 +35,9 @@ from reference.nonsmooth.slip_onset import (
     onset,
     reserve,
 )
+from reference.nonsmooth.stopping import at_rest
 from reference.problem.outcome import Outcome
+from reference.problem.problem import Problem
 from reference.problem.states import Floats
 
 # Rounds in which slip and rolling that begin together find their directions, each with the other's;
@@ -77,6 +79,19 @@ class ModeTransition:
         if self.slip is not None:
             column = RIM.infinitesimal(column, self.slip.direction[:, None])
         return column
+
+
+def begin_on_rim(
+    equations: Equations, problem: Problem, *, at: bool = True
+) -> tuple[Floats, ModeTransition]:
+    """Return the state at a release on the rim, shape (13,), and how its motion begins.
+
+    Without `at` the state does not say where the rim touches the plane.
+    """
+    y, mode = released(problem, at=at), Mode(slips=problem.slip != (0.0, 0.0))
+    if equations.resistance and stands(y[:, None])[0]:
+        y, mode = at_rest(y, mode)
+    return y, begin(equations, y, mode)
 
 
 def begin(equations: Equations, y: Floats, mode: Mode) -> ModeTransition:

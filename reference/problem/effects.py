@@ -58,6 +58,50 @@ class Mass:
         require_numbers(EffectError, {"x": self.x, "y": self.y, "z": self.z}, FINITE)
 
 
+LINEAR, STEEPEST = 1.0, 2.0
+"""Exponents between which the force of a compliant contact grows with its depth."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Compliance:
+    """A contact that gives way, by the depth d of the rim's lowest point in the plane.
+
+    The normal force over m g is max(0, k d + b d') for the exponent n = 1 (Kelvin and Voigt), and
+    max(0, d^n (k + b d')) for n > 1 (Hertz's n = 3/2 with the damping of Hunt and Crossley, which
+    is zero at the first touch).
+
+    Parameters
+    ----------
+    stiffness : float
+        k, in m g/R^n, greater than zero.
+    damping : float
+        b, in m sqrt(g/R) for n = 1, else in m sqrt(g/R)/R^n.
+    exponent : float
+        n, inside [1, 2].
+
+    Raises
+    ------
+    EffectError
+        If a number is out of its range.
+    """
+
+    stiffness: float
+    damping: float = 0.0
+    exponent: float = LINEAR
+
+    def __post_init__(self) -> None:
+        """Refuse a contact that does not push."""
+        require_numbers(EffectError, {"stiffness": self.stiffness}, POSITIVE)
+        require_numbers(EffectError, {"damping": self.damping}, NOT_NEGATIVE)
+        require_numbers(EffectError, {"exponent": self.exponent}, FINITE)
+        inside = LINEAR <= self.exponent <= STEEPEST
+        require(EffectError, "exponent", self.exponent, "inside [1, 2]", when=inside)
+
+    def depth_under(self, load: float) -> float:
+        """Return the depth in R at which a contact at rest bears a load in m g, not negative."""
+        return float((load / self.stiffness) ** (1 / self.exponent))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gravity:
     """Gravity in the frame of the plane: constant + amplitude sin(rate t + phase), in g.
@@ -130,6 +174,8 @@ class Effects:
         at most h in a `Problem`, which knows the can.
     gravity : Gravity
     mass : Mass or None
+    compliance : Compliance or None
+        How the contact gives way; None is a rigid contact.
 
     Raises
     ------
@@ -145,6 +191,7 @@ class Effects:
     rim: float = 0.0
     gravity: Gravity = field(default_factory=Gravity)
     mass: Mass | None = None
+    compliance: Compliance | None = None
 
     def __post_init__(self) -> None:
         """Refuse what makes no sense."""
@@ -159,11 +206,14 @@ class Effects:
         require(EffectError, "gravity", self.gravity, "a Gravity", when=fits)
         fits = self.mass is None or isinstance(self.mass, Mass)
         require(EffectError, "mass", self.mass, "a Mass or None", when=fits)
+        fits = self.compliance is None or isinstance(self.compliance, Compliance)
+        require(EffectError, "compliance", self.compliance, "a Compliance or None", when=fits)
 
     def declared(self) -> tuple[str, ...]:
         """Return the names of the declared effects."""
         present = {
             "slip": self.mu is not None,
+            "compliance": self.compliance is not None,
             "drilling": self.drilling > 0,
             "rolling_resistance": self.rolling_resistance > 0,
             "damping": self.linear_damping > 0 or self.angular_damping > 0,

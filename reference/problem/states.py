@@ -23,6 +23,8 @@ class States:
     `slip`, shape (n, 2), is the velocity of the rim's material at the contact, and `force`, shape
     (n, 3), what the plane exerts on the can, in m g, both in the world; they are None where the rim
     never slips and the force follows from the angles (`reference.equations.reaction_force`).
+    `depth` is how deep the rim's lowest point is in the plane (negative above it), `rise` the
+    upward velocity of the rim's material there; they are None of a contact that is rigid.
     """
 
     phi: Floats
@@ -36,6 +38,8 @@ class States:
     y: Floats | None = None
     slip: Floats | None = None
     force: Floats | None = None
+    depth: Floats | None = None
+    rise: Floats | None = None
 
 
 def initial_states(problem: Problem) -> States:
@@ -111,4 +115,6 @@ def select_states(states: States, index: slice | NDArray[np.intp] | NDArray[np.b
         y=None if states.y is None else states.y[index],
         slip=None if states.slip is None else states.slip[index],
         force=None if states.force is None else states.force[index],
+        depth=None if states.depth is None else states.depth[index],
+        rise=None if states.rise is None else states.rise[index],
     )

@@ -109,7 +109,15 @@ bounces = 1
             "[effects]\ncompliance = { stifness = 1e4 }\n[horizon]",
             (
                 "key 'effects.compliance.stifness' is unknown, did you mean 'stiffness'? "
-                "allowed are stiffness, damping"
+                "allowed are stiffness, damping, exponent"
+            ),
+        ),
+        (
+            "[horizon]",
+            "[effects]\ncompliance = { stiffness = 1e4, exponent = 2.5 }\n[horizon]",
+            (
+                "key 'effects.compliance.exponent' is 2.5, but must be a number from 1 (linear) to "
+                "2; 1.5 is Hertz's"
             ),
         ),
         (

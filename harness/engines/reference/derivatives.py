@@ -13,7 +13,7 @@ from harness.engines.reference.to_reference_problem import Releases, problem, re
 from harness.engines.world import Floats
 from models.scene import Scene
 from reference.analysis.nutation_tangents import nutation_tangents
-from reference.analysis.sensitivity import sensitivity
+from reference.analysis.sensitivity import YIELDS, sensitivity
 from reference.integrable.derivatives import QUANTITIES, batch_tangents
 from reference.integrable.tangents import BY
 from reference.numerics.jets import Jet, jet_cos, jet_sin, jet_sqrt
@@ -62,7 +62,7 @@ class Derivatives:
 def derivatives_of(scene: Scene) -> Derivatives:
     """Return the derivatives of the first bounce of a scene by its own numbers."""
     numbers = scene_numbers(scene)
-    reason = refusal(scene)
+    reason = refusal(scene) or (YIELDS if scene.effects.compliance is not None else "")
     if reason:
         none: dict[str, float | None] = dict.fromkeys(numbers)
         return Derivatives(

@@ -15,7 +15,16 @@ from harness.core.simulation import Outcome
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.world import Floats
 from models.scene import Scene
-from reference import Effects, Gravity, Mass, Parameters, Problem, carries, exact_bounces
+from reference import (
+    Compliance,
+    Effects,
+    Gravity,
+    Mass,
+    Parameters,
+    Problem,
+    carries,
+    exact_bounces,
+)
 from reference import Outcome as Ending
 from reference.integrable.frobenius import CanConstants, frobenius_series, horner, terms_needed
 from reference.integrable.turning_points import OUTCOMES
@@ -23,16 +32,25 @@ from reference.numerics.compiled import available
 from reference.problem.problem import LEAST
 
 HONOURS = frozenset(
-    {"slip", "drilling", "rolling_resistance", "damping", "rim", "tilt", "shake", "point_mass"}
+    {
+        "slip",
+        "compliance",
+        "drilling",
+        "rolling_resistance",
+        "damping",
+        "rim",
+        "tilt",
+        "shake",
+        "point_mass",
+    }
 )
-"""Effects that a reference model carries: those of a rigid can that stays on the plane."""
+"""Effects that a reference model carries."""
 
 _RATES = ("phi_dot", "psi_dot", "theta_dot")
 
 BEYOND_DOUBLES = "Its numbers are beyond what a double holds."
 
 _BEYOND = {
-    "compliance": "The reference is rigid: it does not know how a compliant contact gives way.",
     "restitution": "The reference stays on the plane: it knows no impact that gives anything back.",
 }
 
@@ -41,10 +59,10 @@ def refusal(scene: Scene) -> str:
     """Return in a sentence why a scene has no motion on its rim; nothing if it has one."""
     if scene.gravity == 0.0:
         return "Without gravity nothing holds the can to the plane, so it does not roll."
-    if scene.release.height > 0.0:
+    if scene.release.height > 0.0 and scene.effects.compliance is None:
         return "The can is released above the plane, and rolling says nothing of its landing."
     if scene.release.height < 0.0:
-        return "The can is released inside the plane, where no rigid can is."
+        return "The can is released inside the plane: at height 0 a soft contact bears the can."
     for name, sentence in _BEYOND.items():
         if name in scene.effects.declared():
             return sentence
@@ -71,6 +89,7 @@ def problem(scene: Scene, seconds: float | None = None) -> Problem:
         bounces=scene.horizon.bounces if horizon is None else None,
         duration=None if horizon is None else horizon / T,
         effects=effects(scene),
+        height=release.height / can.radius,
     )
 
 
@@ -95,6 +114,22 @@ def effects(scene: Scene) -> Effects:
         mass=None
         if point is None
         else Mass(share=point.mass / scene.can.mass, x=point.x / R, y=point.y / R, z=point.z / R),
+        compliance=_compliance(scene),
+    )
+
+
+def _compliance(scene: Scene) -> Compliance | None:
+    """Return how the contact gives way, in weights per radius; None of a rigid one."""
+    law, R = scene.effects.compliance, scene.can.radius
+    if law is None:
+        return None
+    unit = R**law.exponent / (scene.can.mass * scene.gravity)
+    # of a linear damper the constant, of another that over the power of the depth
+    damping = R / (scene.can.mass * scene.gravity) if law.linear else unit * R
+    return Compliance(
+        stiffness=law.stiffness * unit,
+        damping=law.damping * damping / natural_time(scene),
+        exponent=law.exponent,
     )
 
 

@@ -200,12 +200,17 @@ class Truth:
         # near the flat state the two rates are huge and opposite: of their sum nothing is left
         tilt = 2.0 * np.sin(states.phi / 2.0) ** 2
         omega[:, 2] = (states.spin - states.theta_dot * tilt) / T
-        point = np.stack((states.x, states.y, np.zeros_like(states.x)), axis=-1) * can.radius
+        aloft = np.zeros_like(states.x) if states.depth is None else -states.depth
+        point = np.stack((states.x, states.y, aloft), axis=-1) * can.radius
         weight = can.mass * self.scene.gravity
         offset = contact_offset(can, states.phi, states.psi, arc=arc_of(self.scene.effects))
         velocity = np.cross(offset, omega)
         if states.slip is not None:
             velocity[:, :2] += states.slip * can.radius / T
+        if states.rise is not None:
+            velocity[:, 2] += states.rise * can.radius / T
+        forces = contact_force_in_world(states, self.solution.problem.parameters)
+        yields = self.scene.effects.compliance is not None
         return Trajectory(
             time=times,
             position=point - offset,
@@ -213,9 +218,9 @@ class Truth:
             velocity=velocity,
             angular_velocity=omega,
             contact_point=point,
-            contact_force=weight * contact_force_in_world(states, self.solution.problem.parameters),
-            penetration=np.zeros(len(times)),
-            contact_count=np.ones(len(times), dtype=np.int64),
+            contact_force=weight * forces,
+            penetration=np.maximum(-point[:, 2], 0.0),
+            contact_count=np.asarray(forces[:, 2] > 0.0 if yields else len(times) * [1], np.int64),
         )
 
 
@@ -234,8 +239,10 @@ def solve_case(case: Case, seconds: float | None = None, *, again: bool = True) 
         If the case asks for a model, method or tolerance that does not exist, for a model that is
         too small for its scene, or is not released on its rim.
     """
-    if case.scene.release.height != 0.0:
-        raise InvalidSettingError("release.height", case.scene.release.height, "zero: on the rim")
+    height, rigid = case.scene.release.height, case.scene.effects.compliance is None
+    if height < 0.0 or (height > 0.0 and rigid):
+        allowed = "zero: on the rim; above it where a compliant contact is declared"
+        raise InvalidSettingError("release.height", height, allowed)
     chosen = resolve(case, SETTINGS, 0.0)
     posed = problem(case.scene, seconds)
     model, rtol = str(chosen["model"]), float(chosen["rtol"])  # type: ignore[arg-type]

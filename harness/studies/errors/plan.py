@@ -10,7 +10,7 @@ its softness with it as it shrinks; held, it keeps it, and converges neatly to a
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 
 from harness.core.case import Case, Value
@@ -121,11 +121,20 @@ class ErrorsPlan:
         )
         return at_rung(case, self.probe)
 
+    @property
+    def rigid(self) -> Case | None:
+        """The exact motion of the scene on a rigid contact; None of one that declares no other."""
+        if self.scene.effects.compliance is None or self.scene.release.height > 0.0:
+            return None
+        effects = replace(self.scene.effects, compliance=None)
+        return Case(scene=replace(self.scene, effects=effects), engine="reference")
+
     def cases(self) -> tuple[Case, ...]:
         """Return the cases, each once, the ladder's first."""
         cases = [self.on_ladder(way, step) for way in self.ways for step in self.rungs]
         cases += [self.tried(way, effort) for way in self.ways for effort in (None, *self.efforts)]
         cases += [self.member(size, number) for size in SIZES for number in range(MEMBERS)]
+        cases += [] if self.rigid is None else [self.rigid]
         return tuple(dict.fromkeys(cases))
 
 
@@ -170,7 +179,7 @@ def plan_errors(
         scene=scene,
         engine=engine_name,
         profile=profile,
-        ways=_ways(chosen, profile, options),
+        ways=_ways(chosen, scene, profile, options),
         rungs=rungs(engine_name, halved),
         efforts=features_of(chosen).solver_efforts,
     )
@@ -186,12 +195,19 @@ def _resolving(scene: Scene) -> float:
     return float(f"{math.floor(longest / digit) * digit:.1e}")
 
 
-def _ways(chosen: Engine, profile: str, options: Options) -> tuple[Way, ...]:
-    """Return the ways: one, or two if a setting of the profile goes with the timestep."""
+def _ways(chosen: Engine, scene: Scene, profile: str, options: Options) -> tuple[Way, ...]:
+    """Return the ways: one, or two if a setting of the profile goes with the timestep.
+
+    A contact that the scene declares goes with nothing: its law is the same at every timestep.
+    """
+    declared = scene.effects.compliance is not None
     tied = [
         setting
         for setting in chosen.settings
-        if profile == "matched" and callable(setting.matched) and setting.name not in dict(options)
+        if profile == "matched"
+        and not declared
+        and callable(setting.matched)
+        and setting.name not in dict(options)
     ]
     if not tied:
         settings = ", ".join(f"{name} {_spelled(value)}" for name, value in options)
@@ -280,6 +296,11 @@ def _way(plan: ErrorsPlan, name: str, quantity: Quantity, split: Split) -> tuple
         f"discretisation {_amount(quantity, split.discretisation)}, "
         f"solver {_amount(quantity, split.solver)}."
     )
+    if split.softness is not None:
+        opening += (
+            f" The exact motion is that on the declared contact; a rigid one differs from it by "
+            f"{_amount(quantity, -split.softness)}."
+        )
     verdict = _VERDICTS[split.verdict].replace(TIMESTEP, finer_by(plan.engine))
     return opening, verdict.format(approach)
 

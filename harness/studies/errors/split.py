@@ -6,6 +6,13 @@ L = Q*(0) and T the truth:
     Q(h) - T  =  [L - T]  +  [Q*(h) - L]  +  [Q(h) - Q*(h)]
                model form   discretisation      solver
 
+Where the scene declares a contact that gives way T is the exact motion on that contact. T_rigid, on
+a rigid one, is apart from it by the softness T - T_rigid, which is then no error of an engine whose
+contact has the declared law:
+
+    Q(h) - T_rigid  =  [T - T_rigid]  +  [Q(h) - T]
+                         softness         the three
+
 The band is how far the members of an ensemble spread about the run that is not perturbed.
 """
 
@@ -39,6 +46,8 @@ class Split:
         How the timestep is shrunk, and which number.
     true, value, converged : float or None
         T, Q(h) and Q*(h).
+    rigid : float or None
+        T_rigid, where the scene declares a contact that gives way.
     ladder : tuple of float or None
         Q* at each timestep of the ladder, from coarse to fine.
     limit : ExtrapolatedLimit or None
@@ -56,12 +65,18 @@ class Split:
     converged: Number
     limit: ExtrapolatedLimit | None
     band: Number
+    rigid: Number = None
     ladder: tuple[Number, ...] = ()
 
     @property
     def limit_value(self) -> Number:
         """L."""
         return None if self.limit is None else self.limit.value
+
+    @property
+    def softness(self) -> Number:
+        """T - T_rigid: what the declared contact gives way by."""
+        return less(self.true, self.rigid)
 
     @property
     def model_form(self) -> Number:

@@ -48,6 +48,7 @@ EFFECTS = {
     "frictionless": Effects(slip=Slip(mu=0.0)),
     "enough friction": Effects(slip=Slip(mu=0.6)),
     "rim": effects_of("rim"),
+    "compliance": Effects(compliance=Compliance(stiffness=1e4, damping=10.0)),
 }
 
 

@@ -107,7 +107,7 @@ def test_a_declared_effect_is_needed_if_the_outcome_rests_on_it(
 
 def test_what_an_engine_adds_to_every_scene_cannot_be_removed() -> None:
     found = studied(plan_effects(BRIEF, ("reference", "mujoco"), timestep=COARSE))
-    assert of(found, "reference", "compliance").verdict is EffectStatus.UNSUPPORTED
+    assert of(found, "reference", "restitution").verdict is EffectStatus.UNSUPPORTED
     (imposed,) = [one for one in found.effects if one.verdict is EffectStatus.IMPOSED]
     assert (imposed.engine, imposed.name) == ("mujoco", "compliance")
     assert imposed.why.startswith("It cannot be removed: ")

@@ -7,7 +7,7 @@ import pytest
 
 from harness.core.errors import InvalidSettingError
 from harness.studies.errors.plan import plan_errors
-from models import Compliance, Effects, Scene, Slip, load
+from models import Compliance, Effects, Restitution, Scene, Slip, load
 
 
 def test_a_setting_tied_to_the_timestep_makes_two_ways(gentle: Scene) -> None:
@@ -41,7 +41,7 @@ def test_ladders_are_run_with_the_solver_converged(gentle: Scene) -> None:
 
 
 def test_what_has_no_limit_is_refused(gentle: Scene) -> None:
-    compliant = replace(gentle, effects=Effects(compliance=Compliance(stiffness=1e4)))
+    compliant = replace(gentle, effects=Effects(restitution=Restitution(coefficient=0.5)))
     for scene, name_of_engine, profile, name, value in (
         (gentle, "mujoco", "adaptive", "--profile", "adaptive"),
         (gentle, "reference", "matched", "--engine", "reference"),
@@ -57,3 +57,13 @@ def test_a_scene_that_slips_has_a_ladder(gentle: Scene) -> None:
     assert {one.scene.effects for one in plan_errors(slipping, "mujoco").cases()} == {
         slipping.effects
     }
+
+
+def test_what_a_declared_contact_gives_way_by_is_told_apart(gentle: Scene) -> None:
+    soft = replace(gentle, effects=Effects(compliance=Compliance(stiffness=1e4, damping=10.0)))
+    plan = plan_errors(soft, "mujoco")
+    assert len(plan.ways) == 1
+    assert plan.rigid is not None
+    assert plan.rigid.scene == gentle
+    assert plan.rigid in plan.cases()
+    assert plan_errors(gentle, "mujoco").rigid is None

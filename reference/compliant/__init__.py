@@ -1,0 +1,1 @@
+"""A contact that gives way: the rim's lowest point has a depth, and the plane pushes by a law."""

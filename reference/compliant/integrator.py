@@ -1,0 +1,238 @@
+"""Integration of a can on a contact that gives way: through contact, flight, and contact again.
+
+The steps and the switches between sticking and slipping are those of
+`reference.nonsmooth.hybrid_integrator`. Two more are located here to round-off: where the force of
+the law falls to zero the can flies, and where it is pushed again the contact begins. Impacts are
+smooth, for the contact takes a time to be pressed and to spring back.
+
+A bounce is a fall and a rise of phi that a hundredth of the largest phi so far is less than: what
+the contact's own vibration does to phi is none. That is the prominence by which bounces of engines
+are measured, too.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from reference.compliant.equations import DEPTH, RISE, ROWS, CompliantEquations
+from reference.equations.contact_laws import Mode
+from reference.equations.newton_euler import GeneralEquations
+from reference.equations.state_vector import DISSIPATED, SLIP, Index, released, sizes
+from reference.equations.state_vector import ROWS as RIGID_ROWS
+from reference.nonsmooth.events import LOOKS, Event, EventKind, events
+from reference.nonsmooth.hybrid_integrator import LONGEST, SHORTEST, HybridIntegrator
+from reference.nonsmooth.level_spin import stands
+from reference.nonsmooth.segments import Segment, SegmentsPath
+from reference.nonsmooth.stopping import STOPPED
+from reference.nonsmooth.transitions import ModeTransition, begin, begin_on_rim, turning
+from reference.problem.effects import LINEAR
+from reference.problem.outcome import Outcome
+from reference.problem.problem import Problem
+from reference.problem.states import Floats, Snapshot, States
+from reference.smooth.extrema import Extrema, ExtremumRecorder, Run
+
+# Of the largest phi so far: a smaller fall or rise of phi is no half of a bounce.
+SHARE_OF_BOUNCE = 0.01
+# A force of the law that begins at a depth is this share of it above zero: more than its round-off.
+BEGUN = 1e-14
+# Of a step: contact that is lost before it asks for a shorter one.
+HALF = 0.5
+FLIGHT = Mode(slips=True, flies=True)
+
+
+class VibrationFilter(ExtremumRecorder):
+    """Collects the extrema of phi that stand out by `SHARE_OF_BOUNCE`.
+
+    An extremum is reported to the base class once phi has left it by so much, or at the end.
+    """
+
+    def __init__(self, problem: Problem, fall: float) -> None:
+        super().__init__(problem, fall=fall)
+        self._pending: tuple[float, Snapshot, bool] | None = None
+        if self._extrema:
+            self._pending = self._extrema.pop()
+        self._largest = problem.phi
+
+    def extremum(self, time: float, snapshot: Snapshot, *, maximum: bool) -> None:
+        """Report that phi' changed sign."""
+        self.advance(time, snapshot.phi)
+        if self.ended():
+            return
+        now = (time, snapshot, maximum)
+        if self._pending is None:
+            self._pending = now if self._apart(snapshot.phi) else None
+            return
+        _, extreme, kind = self._pending
+        further = snapshot.phi - extreme.phi
+        if maximum == kind and (further > 0) == maximum and further:
+            self._pending = now
+
+    def advance(self, time: float, phi: float) -> None:
+        """Report that the motion is integrated up to `time`, and phi there."""
+        self._largest = max(self._largest, phi)
+        if self._pending is not None:
+            _, extreme, kind = self._pending
+            left = extreme.phi - phi if kind else phi - extreme.phi
+            if left >= SHARE_OF_BOUNCE * self._largest:
+                self._confirm()
+        if not self.ended():
+            super().advance(time, phi)
+
+    def track(self) -> Extrema:
+        """Sum up."""
+        if self._pending is not None:
+            self._confirm()
+        return super().track()
+
+    def _apart(self, phi: float) -> bool:
+        """Return whether phi stands out from the last extremum that counts."""
+        last = self._extrema[-1][1].phi if self._extrema else -np.inf
+        return abs(phi - last) >= SHARE_OF_BOUNCE * self._largest
+
+    def _confirm(self) -> None:
+        if self._pending is not None:
+            time, extreme, maximum = self._pending
+            self._pending = None
+            super().extremum(time, extreme, maximum=maximum)
+
+
+class CompliantPath(SegmentsPath):
+    """A sequence of pieces in contact and in flight."""
+
+    def _states(self, y: Floats, number: np.ndarray[tuple[int, ...], np.dtype[np.intp]]) -> States:
+        states = super()._states(y, number)
+        return replace(states, depth=y[DEPTH], rise=y[RISE])
+
+
+class CompliantIntegrator(HybridIntegrator):
+    """Integrates one problem on a contact that gives way."""
+
+    def __init__(self, problem: Problem, equations: CompliantEquations, *, locus: bool) -> None:
+        self._law = equations
+        # of a contact that bears the weight: depth, and the velocity of a vibration of that size
+        self._rest = equations.law.depth_under(1.0)
+        self._pace = np.sqrt(self._rest)
+        super().__init__(problem, equations, locus=locus)
+
+    def run(self) -> Run:
+        """Integrate to the horizon or an ending, and no further than its last bounce."""
+        run = super().run()
+        path, t_end = run.path, run.track.t_end
+        if not isinstance(path, SegmentsPath) or path.t_end <= t_end:
+            return run
+        last, c = path.place(t_end)
+        pieces = [*path.pieces[:last], replace(path.pieces[last], cut=c)]
+        path = self._path(pieces)
+        return replace(run, path=path, phases=path.phases())
+
+    def _released(self, problem: Problem) -> tuple[Floats, ModeTransition]:
+        """Return the release: above the plane, or as deep in it as bears the rigid normal force.
+
+        Where a rigid contact has no motion, or several, the depth is that of the weight.
+        """
+        law = self._law
+        rigid = GeneralEquations(parameters=law.parameters, effects=law.effects)
+        y = np.zeros(ROWS)
+        y[:RIGID_ROWS] = released(problem)
+        y[DEPTH] = -problem.height
+        if problem.height > 0:
+            return y, ModeTransition(mode=FLIGHT)
+        start, now = begin_on_rim(rigid, problem)
+        load = 1.0
+        if now.ending in {None, Outcome.LIFTED}:
+            column = now.infinitesimal(start)
+            load = float(rigid.contact(column, now.mode).force[2, 0] / np.sin(problem.phi))
+        if load <= 0:
+            return y, ModeTransition(mode=FLIGHT)
+        y[:RIGID_ROWS], y[DEPTH] = start, law.law.depth_under(load)
+        mode = Mode(slips=problem.slip != (0.0, 0.0), rests=now.mode.rests and now.roll is None)
+        return y, begin(law, y, self._rests(y, mode))
+
+    def _rests(self, y: Floats, mode: Mode) -> Mode:
+        """Return the mode in which all is held that is at rest."""
+        return replace(mode, rests=bool(self._law.resistance and stands(y[:, None])[0]))
+
+    def _recorder(self, problem: Problem, fall: float) -> ExtremumRecorder:
+        return VibrationFilter(problem, fall)
+
+    def _path(self, pieces: list[Segment]) -> SegmentsPath:
+        return CompliantPath(pieces, self._equations, locus=self._locus)
+
+    def _sizes(self, rows: Index, core: Floats) -> Floats:
+        own = np.array([self._rest, self._pace])[:, None]
+        return np.concatenate([sizes(rows[:-2], core[:-2]), np.maximum(np.abs(core[-2:]), own)])
+
+    def _tail(self, series: Floats) -> float:
+        own = np.array([self._rest, self._pace])
+        size = np.abs(self._y[RIGID_ROWS:]) + np.abs(series[RIGID_ROWS:]).sum(axis=1)
+        tail = np.abs(series[RIGID_ROWS:, -2:]).max(axis=1) / np.maximum(size, own)
+        return max(super()._tail(series[:RIGID_ROWS]), float(tail.max()))
+
+    def _step(self) -> Segment | None:
+        """Take a step that does not go on for long where the plane would have to pull.
+
+        What it is there is of no use, and how large it is says nothing of how exact it must be.
+        """
+        piece = super()._step()
+        while piece is not None and not self._mode.flies:
+            pulled = np.flatnonzero(self._law.touching(piece.looked_at(LOOKS)) < 0)
+            if not pulled.size or LOOKS[pulled[0]] >= HALF or piece.length <= SHORTEST:
+                break
+            self._length = piece.length * LOOKS[max(pulled[0], 1)]
+            piece = super()._step()
+        return piece
+
+    def _left(self) -> float:
+        return LONGEST if self._mode.flies else super()._left()
+
+    def _events(self, piece: Segment) -> list[Event]:
+        return events(
+            piece,
+            self._equations,
+            self.watch.t_end,
+            pushes=lambda seen: self._law.touching(seen.y),
+        )
+
+    def _switch(self, event: Event | None) -> None:
+        """Change the law or end the motion, at an event."""
+        if event is not None and event.what is EventKind.LIFTS:
+            self._lift()
+        elif event is not None and event.what is EventKind.TOUCHES:
+            self._touch()
+        elif not (event is None and self._mode.flies):
+            super()._switch(event)
+
+    def _go_on(self, now: ModeTransition) -> None:
+        if now.ending is Outcome.LIFTED:
+            self._lift()
+        else:
+            super()._go_on(now)
+
+    def _lift(self) -> None:
+        """Let the can fly; the elastic energy that is left in the contact is lost."""
+        y = self._y.copy()
+        if self._ends_at_the_surface():
+            y[DEPTH] = 0.0
+        y[DISSIPATED] += self._law.stored(y[DEPTH])
+        self._y = y
+        self._go_on(ModeTransition(mode=FLIGHT))
+
+    def _touch(self) -> None:
+        """Begin a contact, with a force that is not below zero by its round-off."""
+        y, law = self._y.copy(), self._law.law
+        surface = law.damping * y[RISE] / law.stiffness if law.exponent == LINEAR else 0.0
+        y[DEPTH] = max(surface, 0.0) * (1 + BEGUN)
+        y[DISSIPATED] -= self._law.stored(y[DEPTH])
+        slips = bool(np.isfinite(self._law.mu) and np.hypot(*y[SLIP]) > STOPPED)
+        if not slips:
+            y = self._law.landed(y, FLIGHT)
+        mode = self._rests(y, Mode(slips=slips))
+        self._y = y
+        if self._law.pressing(y) > 0:
+            self._go_on(begin(self._law, y, mode))
+        else:
+            self._go_on(ModeTransition(mode=turning(self._law, y[:, None], mode)))
+
+    def _ends_at_the_surface(self) -> bool:
+        """Return whether the law has no force at depth zero, at any rate."""
+        return self._law.law.exponent > LINEAR or self._law.law.damping == 0
