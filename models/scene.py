@@ -1,7 +1,7 @@
 """The scene: a can, its release, the effects it is subject to, and how long to watch."""
 
 import re
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 from models.can import Can
@@ -148,6 +148,19 @@ class Scene:
                 else {"bounces": horizon.bounces}
             ),
             "effects": {
-                name: asdict(getattr(self.effects, name)) for name in self.effects.declared()
+                name: _constants(getattr(self.effects, name)) for name in self.effects.declared()
             },
         }
+
+
+def _constants(effect: Any) -> dict[str, float | str]:  # noqa: ANN401 - of any kind
+    """Return the constants of an effect; a law, which is a word, only if it is not the default.
+
+    A scene keeps the digest that it had when there was no other law.
+    """
+    values = {key.name: (getattr(effect, key.name), key.default) for key in fields(effect)}
+    return {
+        name: value
+        for name, (value, default) in values.items()
+        if not isinstance(value, str) or value != default
+    }

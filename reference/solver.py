@@ -8,6 +8,7 @@ The smallest model that carries a problem follows from its effects and its relea
     coulomb       slip is declared: sticks while it may, slips beyond                  6
     general       anything else: six velocities, and the angles and the time that the forces
                   depend on                                                            up to 9
+    unilateral    restitution is declared: the same can on the rim, and in the air     up to 9
 
 Psi, theta, the time and the contact point are quadratures wherever nothing depends on them.
 "exact", the closed solution, is of the same can as "rolling"; "reduced" and "asymptotic" are
@@ -59,6 +60,13 @@ class Choice:
 def smallest(problem: Problem) -> Choice:
     """Return the smallest model that carries a problem."""
     effects, declared = problem.effects, problem.effects.declared()
+    if effects.restitution is not None:
+        return Choice(
+            model="unilateral",
+            equations=equations_of("unilateral", problem),
+            why=f"Restitution {effects.restitution.coefficient:g} is declared: a rim that leaves "
+            "the plane flies, and lands.",
+        )
     if declared == ("slip",) and effects.mu == 0:
         why = "The plane is declared without friction: two momenta are conserved."
         return Choice(model="frictionless", equations=2, why=why)
@@ -82,7 +90,7 @@ def smallest(problem: Problem) -> Choice:
 
 def equations_of(model: str, problem: Problem) -> int:
     """Return how many equations a model integrates together for a problem."""
-    if model == "general":
+    if model in {"general", "unilateral"}:
         from reference.equations.newton_euler import GeneralEquations
 
         equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
@@ -100,6 +108,7 @@ def carries(model: str, problem: Problem) -> bool:
         "frictionless": ("frictionless", "coulomb", "general"),
         "coulomb": ("coulomb", "general"),
         "general": ("general",),
+        "unilateral": ("unilateral",),
     }
     return model in larger[needed]
 
@@ -115,11 +124,22 @@ MODELS = (
     "rolling",
     "coulomb",
     "general",
+    "unilateral",
     "exact",
     "reduced",
     "asymptotic",
 )
-WITH_LOCUS = ("auto", "pendulum", "frictionless", "rolling", "coulomb", "general", "exact")
+WITH_LOCUS = (
+    "auto",
+    "pendulum",
+    "frictionless",
+    "rolling",
+    "coulomb",
+    "general",
+    "unilateral",
+    "exact",
+)
+WITH_EVENTS = frozenset({"coulomb", "general", "unilateral"})
 WITHOUT_SLIP = ("pendulum", "rolling", "exact")
 
 
@@ -253,6 +273,7 @@ def solve(
         equations=equations_of(solved_by, problem),
         why=choice.why,
         phases=phases,
+        impacts=run.impacts,
         agreement=None if confirmed is None else confirmed.agreement,
     )
 
@@ -269,7 +290,7 @@ def _dispatch(
         and (method == "half-period" or needed != "pendulum")
     ):
         model = needed
-    if model in {"coulomb", "general"} and method != "half-period":
+    if model in WITH_EVENTS and method != "half-period":
         sentence = f"`method` of model {model!r} is 'half-period' alone, not {method!r}"
         raise SolverError("method", method, "half-period", sentence)
     named = f"{method}, compiled" if compiled else method
@@ -280,6 +301,7 @@ def _dispatch(
         "frictionless": lambda: (_without_friction(problem, method, rtol), method),
         "coulomb": lambda: (_with_phases(problem, model, locus=locus, compiled=compiled), named),
         "general": lambda: (_with_phases(problem, model, locus=locus, compiled=compiled), named),
+        "unilateral": lambda: (_in_the_air(problem, compiled=compiled), named),
     }
     if model in smaller:
         run, used = smaller[model]()
@@ -313,6 +335,12 @@ def _without_friction(problem: Problem, method: str, rtol: float) -> Run:
     from reference.equations.frictionless import solve_frictionless
 
     return solve_frictionless(problem, method=method, rtol=rtol)
+
+
+def _in_the_air(problem: Problem, *, compiled: bool) -> Run:
+    from reference.unilateral.motion import UnilateralMotion
+
+    return UnilateralMotion(problem, compiled=compiled).run()
 
 
 def _with_phases(problem: Problem, model: str, *, locus: bool, compiled: bool) -> Run:

@@ -26,7 +26,7 @@ from harness.core.case import Case
 from harness.core.errors import ParityError, TrajectoryError
 from harness.core.simulation import Outcome
 from harness.core.writing import WriteError
-from harness.engines.reference import ENDING, PARTED, Agreement, Finding
+from harness.engines.reference import ENDING, PARTED, Agreement, Finding, Impact
 from harness.engines.reference.assumption_checks import Divergence, check_assumptions
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import Truth, solve_case
@@ -217,6 +217,7 @@ def model_answer(e: Evaluation, truth: Truth | None, asked: str) -> Answer:
         "method": None,
         "agreement": None,
         "phases": [],
+        "impacts": [],
         "guard": None,
         "findings": _findings_json(e.findings),
         "divergence": divergence_json(e.divergence),
@@ -239,6 +240,7 @@ def model_answer(e: Evaluation, truth: Truth | None, asked: str) -> Answer:
             {"kind": phase.kind.value, "start_s": phase.start, "end_s": phase.end}
             for phase in truth.phases
         ],
+        "impacts": [_impact_json(impact) for impact in truth.impacts],
     }
     if e.simulation.trajectory is not None:
         seen = check_assumptions(truth)
@@ -251,6 +253,19 @@ def model_answer(e: Evaluation, truth: Truth | None, asked: str) -> Answer:
             "least_gap_m": seen.gap,
         }
     return answer
+
+
+def _impact_json(impact: Impact) -> Answer:
+    """Return an impact of an exact motion, in SI units."""
+    return {
+        "time_s": impact.time,
+        "normal_impulse_n_s": impact.normal_impulse,
+        "restitution": impact.restitution,
+        "energy_lost_j": impact.energy_lost,
+        "law": impact.law,
+        "made_energy": impact.made_energy,
+        "ends_at_s": impact.ends_at,
+    }
 
 
 def _agreement(seen: Agreement | None) -> Answer | None:
@@ -284,6 +299,8 @@ def sentences(answer: Answer) -> Iterable[str]:
     if len(phases) > 1 or any(phase["kind"] == "slip" for phase in phases):
         spelled = (f"{p['kind']} {p['start_s']:.6g} to {p['end_s']:.6g}" for p in phases)
         yield f"Phases, s: {', '.join(spelled)}."
+    if lost := [impact["energy_lost_j"] for impact in answer["impacts"]]:
+        yield f"Impacts: {len(lost)}, which take {sum(lost):.4g} J."
     yield from chaos_sentences(answer)
     if "derivatives" in answer:
         yield from derivatives_sentences(answer)

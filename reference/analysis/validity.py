@@ -99,11 +99,17 @@ def examine(solution: Solution, times: Floats) -> Guard:
     peaks = [bounce.peak_friction_ratio for bounce in solution.bounces]
     friction = np.hypot(*contact_force_in_world(states, parameters)[:, :2].T)
     ratio = np.divide(friction, normal, out=np.full_like(normal, np.inf), where=normal > 0)
+    if states.gap is not None:
+        # in the air there is neither force nor friction
+        touches = states.gap == 0
+        ratio, pressed = ratio[touches & (normal > LIGHT)], normal[touches]
+    else:
+        pressed = normal
     if solution.outcome is Outcome.LIFTED:
         ratio = ratio[normal >= LIGHT]
     guard = Guard(
         friction_ratio=float(max([*ratio, *peaks], default=0.0)),
-        normal_force=float(normal.min()),
+        normal_force=float(pressed.min(initial=np.inf)) if pressed.size else 0.0,
         phi_min=float(states.phi.min()),
         phi_max=float(states.phi.max()),
         gap=float(2 * np.sin(states.phi.min())),
@@ -142,6 +148,8 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
     seen = solution.agreement
     if seen is not None and not seen.holds and seen.sentence:
         findings.append(Finding(kind=FindingKind.DISAGREEMENT, sentence=seen.sentence))
+    # of a can that may leave the plane the motion itself is the answer to a pull, and to a far rim
+    unilateral = solution.problem.effects.restitution is not None
     never_slips = solution.problem.effects.mu is None
     if solution.outcome in ENDINGS:
         sentence = f"{solution.outcome.value} {NONE_CARRIES}"
@@ -150,13 +158,13 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
         findings.append(Finding(kind=FindingKind.LIMIT, sentence=solution.outcome.value))
     # at lift-off it is zero but for round-off, and the outcome has said so
     lifted = solution.outcome is Outcome.LIFTED
-    if never_slips and guard.normal_force <= 0 and not lifted:
+    if never_slips and guard.normal_force <= 0 and not lifted and not unilateral:
         pull = f"Rolling asks the plane to pull, with up to {-guard.normal_force:.4g} m g: "
         sentence = f"{pull}a can that is only pushed lifts off. {NONE_CARRIES}"
         findings.append(Finding(kind=FindingKind.PULL, sentence=sentence))
     elif never_slips and guard.friction_ratio > PLENTY:
         findings.append(_slippery(solution, guard.friction_ratio))
-    if guard.gap < ATOM and solution.outcome is not Outcome.FELL_FLAT:
+    if guard.gap < ATOM and solution.outcome is not Outcome.FELL_FLAT and not unilateral:
         near = f"The far rim comes within {guard.gap:.2g} R of the plane, less than an atom: "
         sentence = f"{near}a real can touches it with more than one point. {NONE_CARRIES}"
         findings.append(Finding(kind=FindingKind.FAR_RIM, sentence=sentence))

@@ -75,12 +75,12 @@ def contact_force_in_world(states: States, parameters: Parameters) -> Floats:
 def friction_ratio(states: States, parameters: Parameters) -> Floats:
     """|F|/N, of a rolling can the friction coefficient it needs (eq01:friction_short), shape (n,).
 
-    Infinite where N is not positive: there the plane would have to pull.
+    Infinite where N is not positive: there the plane would have to pull; zero in the air.
     """
     F_x, F_y, N = contact_force_in_world(states, parameters).T
     friction = np.hypot(F_x, F_y)
     ratio: Floats = np.divide(friction, N, out=np.full_like(friction, np.inf), where=N > 0)
-    return ratio
+    return ratio if states.gap is None else np.where((N == 0) & (friction == 0), 0.0, ratio)
 
 
 def contact_from_middle(states: States, parameters: Parameters, effects: Effects = IDEAL) -> Floats:

@@ -88,22 +88,44 @@ ENDINGS = {
 
 
 class HybridIntegrator:
-    """Integrates one problem."""
+    """Integrates one problem, from its release or from a later state on the rim.
 
-    def __init__(self, problem: Problem, equations: Equations, *, locus: bool) -> None:
+    Parameters
+    ----------
+    problem : Problem
+    equations : Equations
+    locus : bool
+        Whether to compute the place of the contact and the works.
+    start : ndarray, shape (13,), optional
+        State to begin with; the release unless given.
+    watch : ExtremumRecorder, optional
+        Of a motion that has begun before; a new one unless given.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        equations: Equations,
+        *,
+        locus: bool,
+        start: Floats | None = None,
+        watch: ExtremumRecorder | None = None,
+    ) -> None:
         self._equations = equations
         self._locus = locus
         self._compiled = isinstance(equations, CompiledEquations)
-        self._y = released(problem)
+        self._y = released(problem) if start is None else start
         self._length = FIRST
         self._evaluations = 0
         self._pieces: list[Segment] = []
-        mode = Mode(slips=problem.slip != (0.0, 0.0))
+        mode = Mode(slips=bool(self._y[SLIP].any()))
         if equations.resistance and stands(self._y[:, None])[0]:
             self._y, mode = at_rest(self._y, mode)
         now = begin(equations, self._y, mode)
-        rates = equations.rates(now.infinitesimal(self._y), now.mode)[:, 0]
-        self.watch = ExtremumRecorder(problem, fall=-float(rates[W2] / rates[TIME]))
+        if watch is None:
+            rates = equations.rates(now.infinitesimal(self._y), now.mode)[:, 0]
+            watch = ExtremumRecorder(problem, fall=-float(rates[W2] / rates[TIME]))
+        self.watch = watch
         self._go_on(now)
 
     @property
@@ -111,6 +133,30 @@ class HybridIntegrator:
         return self._now.mode
 
     def run(self) -> Run:
+        """Integrate to the horizon or an ending, and sum up."""
+        path = self.follow()
+        track = self.watch.track()
+        there = path.at(track.times)
+        extrema = replace(track.extrema, x=there.x, y=there.y, slip=there.slip, force=there.force)
+        return Run(
+            path=path,
+            track=replace(track, extrema=extrema),
+            steps=len(self._pieces),
+            evaluations=self._evaluations,
+            phases=tuple(self.phases(path.end_times)),
+        )
+
+    @property
+    def state(self) -> Floats:
+        """Return the state that is reached, shape (13,)."""
+        return self._y
+
+    @property
+    def evaluations(self) -> int:
+        """Return how often the equations were evaluated."""
+        return self._evaluations
+
+    def follow(self) -> SegmentsPath:
         """Integrate to the horizon or an ending."""
         while not self.watch.ended():
             if self._march():
@@ -120,17 +166,7 @@ class HybridIntegrator:
                 self.watch.end(float(self._y[TIME]), self._stuck())
                 break
             self._see(piece)
-        path = SegmentsPath(self._pieces or [self._standing()], self._equations, locus=self._locus)
-        track = self.watch.track()
-        there = path.at(track.times)
-        extrema = replace(track.extrema, x=there.x, y=there.y, slip=there.slip, force=there.force)
-        return Run(
-            path=path,
-            track=replace(track, extrema=extrema),
-            steps=len(self._pieces),
-            evaluations=self._evaluations,
-            phases=tuple(self._phases(path.end_times)),
-        )
+        return SegmentsPath(self._pieces or [self._standing()], self._equations, locus=self._locus)
 
     def _stuck(self) -> Outcome:
         """Return why there is no next step."""
@@ -379,7 +415,8 @@ class HybridIntegrator:
             mode=self._mode,
         )
 
-    def _phases(self, end_times: list[float]) -> list[Phase]:
+    def phases(self, end_times: list[float]) -> list[Phase]:
+        """Return the intervals of sticking and of slipping."""
         phases: list[Phase] = []
         for piece, end in zip(self._pieces, end_times, strict=False):
             kind: Kind = piece.mode.kind

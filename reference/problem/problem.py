@@ -10,6 +10,7 @@ from reference.problem.can import Parameters
 from reference.problem.effects import IDEAL, ROUNDED, Effects
 from reference.problem.validation import (
     FINITE,
+    NOT_NEGATIVE,
     POSITIVE,
     RefusedError,
     is_whole,
@@ -48,6 +49,10 @@ class Problem:
     slip : tuple of float
         Velocity of the rim's material at the contact, along (cos psi, sin psi) and (-sin psi, cos
         psi); it rests unless given, and slips only where friction is declared.
+    height : float
+        Of the lowest point of the rim above the plane, not negative. In the air, too, this point's
+        material has the velocity `slip`, and none along the vertical. Greater than zero only where
+        restitution is declared.
 
     Raises
     ------
@@ -68,6 +73,7 @@ class Problem:
     duration: float | None = None
     effects: Effects = IDEAL
     slip: tuple[float, float] = (0.0, 0.0)
+    height: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse what makes no sense."""
@@ -85,6 +91,9 @@ class Problem:
         require_vector(ProblemError, "slip", self.slip, 2)
         fits = self.slip == (0.0, 0.0) or self.effects.mu is not None
         require(ProblemError, "slip", self.slip, "(0, 0) without declared friction", when=fits)
+        require_numbers(ProblemError, {"height": self.height}, NOT_NEGATIVE)
+        fits = self.height == 0.0 or self.effects.restitution is not None
+        require(ProblemError, "height", self.height, "0 without declared restitution", when=fits)
         if (self.bounces is None) == (self.duration is None):
             given, allowed = (
                 (self.bounces, self.duration),

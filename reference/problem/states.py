@@ -22,7 +22,9 @@ class States:
     middle of the can above (0, 0) at release; they are None unless the contact locus was asked for.
     `slip`, shape (n, 2), is the velocity of the rim's material at the contact, and `force`, shape
     (n, 3), what the plane exerts on the can, in m g, both in the world; they are None where the rim
-    never slips and the force follows from the angles (`reference.equations.reaction_force`).
+    never slips and the force follows from the angles (`reference.equations.reaction_force`). `gap`
+    is the height of the lowest point of the rim above the plane and `rise` its vertical velocity;
+    they are None of a model whose rim stays on the plane.
     """
 
     phi: Floats
@@ -36,6 +38,8 @@ class States:
     y: Floats | None = None
     slip: Floats | None = None
     force: Floats | None = None
+    gap: Floats | None = None
+    rise: Floats | None = None
 
 
 def initial_states(problem: Problem) -> States:
@@ -111,4 +115,6 @@ def select_states(states: States, index: slice | NDArray[np.intp] | NDArray[np.b
         y=None if states.y is None else states.y[index],
         slip=None if states.slip is None else states.slip[index],
         force=None if states.force is None else states.force[index],
+        gap=None if states.gap is None else states.gap[index],
+        rise=None if states.rise is None else states.rise[index],
     )

@@ -14,8 +14,18 @@ from numpy.typing import NDArray
 from harness.core.simulation import Outcome
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.world import Floats
+from models.contact_effects import Restitution as ImpactLaw
 from models.scene import Scene
-from reference import Effects, Gravity, Mass, Parameters, Problem, carries, exact_bounces
+from reference import (
+    Effects,
+    Gravity,
+    Mass,
+    Parameters,
+    Problem,
+    Restitution,
+    carries,
+    exact_bounces,
+)
 from reference import Outcome as Ending
 from reference.integrable.frobenius import CanConstants, frobenius_series, horner, terms_needed
 from reference.integrable.turning_points import OUTCOMES
@@ -23,9 +33,19 @@ from reference.numerics.compiled import available
 from reference.problem.problem import LEAST
 
 HONOURS = frozenset(
-    {"slip", "drilling", "rolling_resistance", "damping", "rim", "tilt", "shake", "point_mass"}
+    {
+        "slip",
+        "restitution",
+        "drilling",
+        "rolling_resistance",
+        "damping",
+        "rim",
+        "tilt",
+        "shake",
+        "point_mass",
+    }
 )
-"""Effects that a reference model carries: those of a rigid can that stays on the plane."""
+"""Effects that a reference model carries: those of a rigid can."""
 
 _RATES = ("phi_dot", "psi_dot", "theta_dot")
 
@@ -33,16 +53,13 @@ BEYOND_DOUBLES = "Its numbers are beyond what a double holds."
 
 _BEYOND = {
     "compliance": "The reference is rigid: it does not know how a compliant contact gives way.",
-    "restitution": "The reference stays on the plane: it knows no impact that gives anything back.",
 }
 
 
 def refusal(scene: Scene) -> str:
-    """Return in a sentence why a scene has no motion on its rim; nothing if it has one."""
+    """Return in a sentence why a scene has no exact motion; nothing if it has one."""
     if scene.gravity == 0.0:
         return "Without gravity nothing holds the can to the plane, so it does not roll."
-    if scene.release.height > 0.0:
-        return "The can is released above the plane, and rolling says nothing of its landing."
     if scene.release.height < 0.0:
         return "The can is released inside the plane, where no rigid can is."
     for name, sentence in _BEYOND.items():
@@ -71,12 +88,14 @@ def problem(scene: Scene, seconds: float | None = None) -> Problem:
         bounces=scene.horizon.bounces if horizon is None else None,
         duration=None if horizon is None else horizon / T,
         effects=effects(scene),
+        height=release.height / can.radius,
     )
 
 
 def carried(scene: Scene, model: str) -> bool:
     """Whether a model knows all the effects of a scene."""
-    return not scene.effects.declared() or carries(model, problem(scene))
+    posed = problem(scene)
+    return not posed.effects.declared() or carries(model, posed)
 
 
 def effects(scene: Scene) -> Effects:
@@ -84,6 +103,10 @@ def effects(scene: Scene) -> Effects:
     declared, T, R = scene.effects, natural_time(scene), scene.can.radius
     slip, drilling, resistance = declared.slip, declared.drilling, declared.rolling_resistance
     damping, rim, point = declared.damping, declared.rim, declared.point_mass
+    rebound = declared.restitution
+    if rebound is None and scene.release.height > 0.0:
+        # what is dropped lands; unless declared, without giving anything back
+        rebound = ImpactLaw(coefficient=0.0)
     return Effects(
         mu=None if slip is None else slip.mu,
         drilling=0.0 if drilling is None else drilling.length / R,
@@ -95,6 +118,9 @@ def effects(scene: Scene) -> Effects:
         mass=None
         if point is None
         else Mass(share=point.mass / scene.can.mass, x=point.x / R, y=point.y / R, z=point.z / R),
+        restitution=None
+        if rebound is None
+        else Restitution(coefficient=rebound.coefficient, law=rebound.law),
     )
 
 

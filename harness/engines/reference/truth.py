@@ -28,6 +28,7 @@ from reference import (
     MODELS,
     RENAMED_METHODS,
     Choice,
+    Impact,
     Phase,
     Problem,
     Solution,
@@ -151,6 +152,21 @@ class Truth:
         return tuple(replace(phase, start=phase.start * T, end=phase.end * T) for phase in phases)
 
     @property
+    def impacts(self) -> tuple[Impact, ...]:
+        """Return the impacts of the rim in order, in SI units."""
+        T, unit = natural_time(self.scene), self.scene.can.mass * self.scene.gravity
+        return tuple(
+            replace(
+                impact,
+                time=impact.time * T,
+                normal_impulse=impact.normal_impulse * unit * T,
+                energy_lost=impact.energy_lost * unit * self.scene.can.radius,
+                ends_at=None if impact.ends_at is None else impact.ends_at * T,
+            )
+            for impact in self.solution.impacts
+        )
+
+    @property
     def chosen(self) -> Choice:
         """The smallest model that carries the scene."""
         return smallest(self.solution.problem)
@@ -195,16 +211,22 @@ class Truth:
         velocity = np.cross(offset, omega)
         if states.slip is not None:
             velocity[:, :2] += states.slip * can.radius / T
+        touches = np.ones(len(times), dtype=np.int64)
+        lowest = point - offset
+        if states.gap is not None and states.rise is not None:
+            velocity[:, 2] += states.rise * can.radius / T
+            lowest[:, 2] += states.gap * can.radius
+            touches[states.gap > 0.0] = 0
         return Trajectory(
             time=times,
-            position=point - offset,
+            position=lowest,
             quaternion=quaternion(states.phi, states.psi, states.theta),
             velocity=velocity,
             angular_velocity=omega,
             contact_point=point,
             contact_force=weight * contact_force_in_world(states, self.solution.problem.parameters),
             penetration=np.zeros(len(times)),
-            contact_count=np.ones(len(times), dtype=np.int64),
+            contact_count=touches,
         )
 
 
@@ -221,10 +243,11 @@ def solve_case(case: Case, seconds: float | None = None, *, again: bool = True) 
     ------
     InvalidSettingError
         If the case asks for a model, method or tolerance that does not exist, for a model that is
-        too small for its scene, or is not released on its rim.
+        too small for its scene, or is released inside the plane.
     """
-    if case.scene.release.height != 0.0:
-        raise InvalidSettingError("release.height", case.scene.release.height, "zero: on the rim")
+    if case.scene.release.height < 0.0:
+        allowed = "zero, on the rim, or greater"
+        raise InvalidSettingError("release.height", case.scene.release.height, allowed)
     chosen = resolve(case, SETTINGS, 0.0)
     posed = problem(case.scene, seconds)
     model, rtol = str(chosen["model"]), float(chosen["rtol"])  # type: ignore[arg-type]

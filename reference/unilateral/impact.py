@@ -1,0 +1,369 @@
+"""A rigid impact at one point of the rim, with friction: how it ends, and what it takes.
+
+An impulse (P, p) of the plane, p along the normal, changes the velocity u of the material at the
+contact by D (P, p), with the symmetric, positive definite mobility D of the point. Bodies do not
+move during an impact, so that D is constant. Three laws say when the impact is over:
+
+    newton     u_z after is -e u_z before (Newton, Principia, 1687; Kane and Levinson 1985)
+    poisson    p is (1 + e) times its value at the greatest compression, where u_z = 0 (Routh 1905)
+    energetic  the work of p during restitution is e^2 of that during compression (Stronge 1990)
+
+Newton's law is of the whole impact, and so is its friction: |P| <= mu p, and where the rim still
+slides at the end P = -mu p against its last slip. The other two follow the slip through the impact,
+
+    du/dp = D (-mu u_t/|u_t|, 1)                                     (Darboux 1880, Keller 1986)
+
+until it stops, sticks where the force of sticking lies inside the cone, and slides anew where it
+does not. A slip whose direction stays makes this linear in p; where the direction turns it is
+integrated to round-off in a time in which it is smooth, dp = |u_t| ds.
+
+Newton's law with friction may make energy (Kane's paradox), and so may Poisson's; the energetic law
+never does, for neither the normal impulse nor friction then works more than it takes. An impact that
+would make energy is computed by the energetic law with the same e, and says so.
+"""
+
+from dataclasses import dataclass
+from math import atan2, cos, hypot, inf, isinf, pi, sin, sqrt
+
+import numpy as np
+import scipy
+
+from reference.problem.states import Floats
+
+NEWTON, POISSON, ENERGETIC = "newton", "poisson", "energetic"
+# Of the velocities: a slip below this share is round-off.
+STOPPED = 1e-14
+# Energy that an impact makes by round-off, as a share of that of its velocities.
+ROUNDED = 1e-13
+# Directions among which that of the last slip is looked for.
+DIRECTIONS = 72
+# Of a motion in a plane that direction is a whole multiple of pi: none of the samples is.
+ASIDE = 0.01
+TOLERANCE = 1e-13
+NORMAL = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Collision:
+    """An impact of one point, in units of the problem.
+
+    Attributes
+    ----------
+    impulse : ndarray, shape (3,)
+        Along the two level axes and the normal, in m sqrt(g R).
+    velocity : ndarray, shape (3,)
+        Of the material at the contact, after the impact.
+    energy_lost : float
+        In m g R.
+    law : str
+        "newton", "poisson" or "energetic".
+    made_energy : bool
+        Whether the declared law would have made energy, so that the energetic law took its place.
+    """
+
+    impulse: Floats
+    velocity: Floats
+    energy_lost: float
+    law: str
+    made_energy: bool
+
+
+def collide(
+    D: Floats, u: Floats, mu: float, e: float, law: str, *, jams: bool = False
+) -> Collision:
+    """Return the outcome of an impact.
+
+    Parameters
+    ----------
+    D : ndarray, shape (3, 3)
+        Mobility of the contact: change of its velocity by a unit of impulse.
+    u : ndarray, shape (3,)
+        Velocity before; the third component is not positive.
+    mu : float
+        Coefficient of friction, infinite for a rim that never slips.
+    e : float
+        Coefficient of restitution, in [0, 1].
+    law : str
+        "newton" or "poisson".
+    jams : bool
+        Whether this is an impact without collision, of a sliding rim whose normal mobility has
+        fallen to zero: its slip is followed until it stops. Newton's law says nothing of it, for
+        its normal velocity is zero; the energetic law takes its place.
+    """
+    size = float(u @ np.linalg.solve(D, u))
+    if jams and law == NEWTON:
+        law = ENERGETIC
+    impulse = None
+    for name in (law, ENERGETIC):
+        if name == NEWTON:
+            impulse = _newton(D, u, mu, e)
+        else:
+            impulse = _followed(D, u, mu, e, name, jams=jams)
+        if impulse is None:
+            continue
+        after = u + D @ impulse
+        lost = -float((u + after) @ impulse) / 2
+        if lost >= -ROUNDED * size or name == ENERGETIC:
+            break
+    assert impulse is not None  # noqa: S101 - the energetic law always has an answer
+    after = _cleared(after, u)
+    return Collision(
+        impulse=impulse,
+        velocity=after,
+        energy_lost=max(lost, 0.0),
+        law=name,
+        made_energy=name != law,
+    )
+
+
+def _cleared(after: Floats, before: Floats) -> Floats:
+    """Return a velocity without the round-off of a slip or a rise that is zero."""
+    size = STOPPED * float(np.abs(before).max())
+    cleared = after.copy()
+    if hypot(after[0], after[1]) <= size:
+        cleared[:2] = 0.0
+    if abs(after[NORMAL]) <= size:
+        cleared[NORMAL] = 0.0
+    return cleared
+
+
+def _newton(D: Floats, u: Floats, mu: float, e: float) -> Floats | None:
+    """Return the impulse of Newton's law; None where none is inside the cone."""
+    target = np.array([0.0, 0.0, -e * u[NORMAL]])
+    impulse = np.linalg.solve(D, target - u)
+    if impulse[NORMAL] >= 0 and hypot(*impulse[:2]) <= mu * impulse[NORMAL]:
+        return impulse
+    if isinf(mu):
+        return None
+
+    def sliding(angle: float) -> tuple[Floats, Floats]:
+        way = np.array([-mu * cos(angle), -mu * sin(angle), 1.0])
+        answer = D @ way
+        p = -(1 + e) * u[NORMAL] / answer[NORMAL] if answer[NORMAL] != 0 else inf
+        return way * p, u + answer * p
+
+    def aside(angle: float) -> float:
+        _, after = sliding(angle)
+        return float(after[1] * cos(angle) - after[0] * sin(angle))
+
+    if mu == 0.0:
+        return sliding(0.0)[0]
+    angles = np.linspace(-pi, pi, DIRECTIONS + 1) + ASIDE
+    values = [aside(angle) for angle in angles.tolist()]
+    start = atan2(u[1], u[0])
+    best: tuple[float, Floats] | None = None
+    for left, right, one, other in zip(angles, angles[1:], values, values[1:], strict=False):
+        if one == 0.0:
+            root = float(left)
+        elif one * other < 0 and np.isfinite(one * other):
+            root = float(scipy.optimize.brentq(aside, left, right, xtol=1e-15, rtol=1e-15))
+        else:
+            continue
+        impulse, after = sliding(root)
+        ahead = after[0] * cos(root) + after[1] * sin(root)
+        # a change of sign at a pole is no root
+        far = abs(aside(root)) > 1e-6 * (float(np.abs(after).max()) + float(np.abs(u).max()))
+        if not np.isfinite(impulse).all() or impulse[NORMAL] < 0 or ahead < 0 or far:
+            continue
+        away = abs((root - start + pi) % (2 * pi) - pi)
+        if best is None or away < best[0]:
+            best = away, impulse
+    return None if best is None else best[1]
+
+
+@dataclass(slots=True)
+class _Progress:
+    """An impact on its way: impulse, velocity, and the work of the normal impulse."""
+
+    impulse: Floats
+    velocity: Floats
+    work: float = 0.0
+
+
+def _followed(D: Floats, u: Floats, mu: float, e: float, law: str, *, jams: bool = False) -> Floats:
+    """Return the impulse of Poisson's or of the energetic law, by following the slip."""
+    now = _Progress(impulse=np.zeros(3), velocity=u.astype(float).copy())
+    if isinf(mu):
+        # the slip is stopped before the normal impulse is any
+        stop = np.zeros(3)
+        stop[:2] = -np.linalg.solve(D[:2, :2], now.velocity[:2])
+        now = _Progress(impulse=stop, velocity=now.velocity + D @ stop)
+        now.velocity[:2] = 0.0
+        if now.velocity[NORMAL] >= 0:
+            return now.impulse
+    # of a rim that jams, whose normal velocity is zero, the impulse compresses before it lets go
+    _phase(D, mu, now, compress=True, most=inf, work=inf, jams=jams)
+    at_most, stored = float(now.impulse[NORMAL]), -now.work
+    if e > 0.0:
+        most = (1 + e) * at_most if law == POISSON else inf
+        work = e * e * stored if law == ENERGETIC else inf
+        now.work = 0.0
+        if work > 0.0:
+            _phase(D, mu, now, compress=False, most=most, work=work)
+    return now.impulse
+
+
+def _phase(
+    D: Floats,
+    mu: float,
+    now: _Progress,
+    *,
+    compress: bool,
+    most: float,
+    work: float,
+    jams: bool = False,
+) -> None:
+    """Follow an impact to the end of its compression, or of its restitution.
+
+    Compression ends where the normal velocity is zero and would rise; restitution where the normal
+    impulse, or its work, is what is asked for.
+    """
+    size = max(float(np.abs(now.velocity).max()), np.finfo(float).tiny)
+    for _ in range(16):
+        slip = hypot(now.velocity[0], now.velocity[1])
+        if slip <= STOPPED * size:
+            now.velocity[:2] = 0.0
+            way = _from_rest(D, mu)
+        else:
+            way = np.array([-mu * now.velocity[0] / slip, -mu * now.velocity[1] / slip, 1.0])
+        answer = D @ way
+        straight = slip <= STOPPED * size or abs(
+            answer[0] * now.velocity[1] - answer[1] * now.velocity[0]
+        ) <= STOPPED * slip * float(np.abs(answer).max())
+        if not straight:
+            if _turn(D, mu, now, compress=compress, most=most, work=work):
+                return
+            continue
+        # how much more until the slip stops, and until the phase is over
+        stops = inf
+        if slip > STOPPED * size:
+            closing = -(now.velocity[0] * answer[0] + now.velocity[1] * answer[1]) / slip
+            stops = slip / closing if closing > 0 else inf
+        ends = _until(now, float(answer[NORMAL]), compress=compress, most=most, work=work)
+        if jams and slip > STOPPED * size:
+            ends = inf
+        if isinf(ends) and isinf(stops):
+            return
+        p = min(ends, stops)
+        before = float(now.velocity[NORMAL])
+        now.impulse = now.impulse + way * p
+        now.velocity = now.velocity + answer * p
+        now.work += p * (before + float(now.velocity[NORMAL])) / 2
+        if stops <= ends:
+            now.velocity[:2] = 0.0
+        if ends <= stops:
+            if compress:
+                now.velocity[NORMAL] = 0.0
+            return
+
+
+def _until(now: _Progress, slope: float, *, compress: bool, most: float, work: float) -> float:
+    """Return how much normal impulse is left of a phase while the velocity changes evenly."""
+    fast = float(now.velocity[NORMAL])
+    if compress:
+        if fast >= 0.0 and slope > 0:
+            return 0.0
+        return -fast / slope if slope > 0 else inf
+    if not isinf(most):
+        return max(most - float(now.impulse[NORMAL]), 0.0)
+    # p (fast + slope p/2) = work - done
+    left = max(work - now.work, 0.0)
+    if slope == 0:
+        return left / fast if fast > 0 else inf
+    root = fast * fast + 2 * slope * left
+    return 2 * left / (fast + sqrt(root)) if root >= 0 and fast + sqrt(root) > 0 else inf
+
+
+def _from_rest(D: Floats, mu: float) -> Floats:
+    """Return the impulse, per unit of normal impulse, on a rim that does not slide."""
+    hold = np.append(-np.linalg.solve(D[:2, :2], D[:2, NORMAL]), 1.0)
+    if hypot(*hold[:2]) <= mu:
+        return hold
+
+    def aside(angle: float) -> float:
+        answer = D @ np.array([-mu * cos(angle), -mu * sin(angle), 1.0])
+        return float(answer[1] * cos(angle) - answer[0] * sin(angle))
+
+    # the slip that begins keeps its direction, along what friction leaves of its acceleration
+    angles = np.linspace(-pi, pi, DIRECTIONS + 1) + ASIDE
+    values = [aside(angle) for angle in angles.tolist()]
+    best, way = -inf, hold
+    for left, right, one, other in zip(angles, angles[1:], values, values[1:], strict=False):
+        if one != 0.0 and one * other >= 0:
+            continue
+        root = float(left)
+        if one != 0.0:
+            root = float(scipy.optimize.brentq(aside, left, right, xtol=1e-15, rtol=1e-15))
+        trial = np.array([-mu * cos(root), -mu * sin(root), 1.0])
+        answer = D @ trial
+        ahead = float(answer[0] * cos(root) + answer[1] * sin(root))
+        if ahead > max(best, 0.0):
+            best, way = ahead, trial
+    return way
+
+
+def _turn(
+    D: Floats, mu: float, now: _Progress, *, compress: bool, most: float, work: float
+) -> bool:
+    """Follow a slip that turns; return whether the phase is over, and else the slip has stopped.
+
+    In the logarithm of the slip and its direction, with dp = |u_t| ds, the equations are smooth.
+    """
+    start = hypot(now.velocity[0], now.velocity[1])
+    limit = STOPPED * max(float(np.abs(now.velocity).max()), start) / 2
+
+    def rates(_: float, y: Floats) -> list[float]:
+        slip, c, s = np.exp(y[0]), cos(y[1]), sin(y[1])
+        a = D @ np.array([-mu * c, -mu * s, 1.0])
+        return [
+            a[0] * c + a[1] * s,
+            a[1] * c - a[0] * s,
+            slip,
+            slip * a[2],
+            slip * y[3],
+            -slip * mu * c,
+            -slip * mu * s,
+        ]
+
+    def over(_: float, y: Floats) -> float:
+        if compress:
+            return float(y[3])
+        if not isinf(most):
+            return float(y[2] - most)
+        return float(y[4] - work)
+
+    def stops(_: float, y: Floats) -> float:
+        return float(y[0] - np.log(limit))
+
+    over.terminal, over.direction = True, 1.0  # type: ignore[attr-defined] # scipy's interface
+    stops.terminal = True  # type: ignore[attr-defined]
+    begun = [
+        np.log(start),
+        atan2(now.velocity[1], now.velocity[0]),
+        float(now.impulse[NORMAL]),
+        float(now.velocity[NORMAL]),
+        now.work,
+        float(now.impulse[0]),
+        float(now.impulse[1]),
+    ]
+    size = max(float(np.abs(now.velocity).max()), start)
+    found = scipy.integrate.solve_ivp(
+        rates,
+        (0.0, 1e6 / float(np.abs(D).max())),
+        begun,
+        method="DOP853",
+        rtol=TOLERANCE,
+        atol=TOLERANCE * np.array([1.0, 1.0, size, size, size * size, size, size]) / 10,
+        events=(over, stops),
+    )
+    y = found.y[:, -1]
+    slip = float(np.exp(y[0]))
+    now.impulse = np.array([y[5], y[6], y[2]])
+    now.velocity = np.array([slip * cos(y[1]), slip * sin(y[1]), y[3]])
+    now.work = float(y[4])
+    if found.t_events[0].size:
+        if compress:
+            now.velocity[NORMAL] = 0.0
+        return True
+    now.velocity[:2] = 0.0
+    return False
