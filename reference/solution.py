@@ -70,7 +70,8 @@ class Solution:
     why : str
         Why these: what the smallest model that carries the problem is, in a sentence.
     phases : tuple of Phase
-        Intervals in which the rim sticks, slips or flies, in order; none of a model without a contact.
+        Intervals in which the rim sticks, slips or flies, in order; none of a model without a
+        contact.
     impacts : tuple of Impact
         Of a can whose contact is unilateral, in order.
     agreement : Agreement or None
@@ -129,8 +130,9 @@ class Solution:
             Zero of a model whose rim neither rubs nor is driven.
         """
         own = self.path
-        works = isinstance(own, SegmentsPath | UnilateralPath)
-        return own.lost(times) if works else np.zeros_like(times)
+        if isinstance(own, SegmentsPath | UnilateralPath):
+            return own.lost(times)
+        return np.zeros_like(times)
 
     @property
     def _rocks(self) -> bool:

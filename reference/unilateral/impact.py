@@ -17,13 +17,16 @@ until it stops, sticks where the force of sticking lies inside the cone, and sli
 does not. A slip whose direction stays makes this linear in p; where the direction turns it is
 integrated to round-off in a time in which it is smooth, dp = |u_t| ds.
 
-Newton's law with friction may make energy (Kane's paradox), and so may Poisson's; the energetic law
-never does, for neither the normal impulse nor friction then works more than it takes. An impact that
-would make energy is computed by the energetic law with the same e, and says so.
+Newton's law with friction may make energy (Kane's paradox); the energetic law never does, for
+neither the normal impulse nor friction then works more than it takes. An impact whose law would
+make energy, or has no answer inside the cone, is computed by the energetic law with the same e, and
+says so.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from math import atan2, cos, hypot, inf, isinf, pi, sin, sqrt
+from itertools import pairwise
+from math import atan2, cos, hypot, inf, isfinite, isinf, pi, sin, sqrt
 
 import numpy as np
 import scipy
@@ -130,45 +133,47 @@ def _cleared(after: Floats, before: Floats) -> Floats:
 def _newton(D: Floats, u: Floats, mu: float, e: float) -> Floats | None:
     """Return the impulse of Newton's law; None where none is inside the cone."""
     target = np.array([0.0, 0.0, -e * u[NORMAL]])
-    impulse = np.linalg.solve(D, target - u)
+    impulse: Floats = np.asarray(np.linalg.solve(D, target - u))
     if impulse[NORMAL] >= 0 and hypot(*impulse[:2]) <= mu * impulse[NORMAL]:
         return impulse
     if isinf(mu):
         return None
 
-    def sliding(angle: float) -> tuple[Floats, Floats]:
+    def sliding(angle: float) -> Floats:
         way = np.array([-mu * cos(angle), -mu * sin(angle), 1.0])
-        answer = D @ way
-        p = -(1 + e) * u[NORMAL] / answer[NORMAL] if answer[NORMAL] != 0 else inf
-        return way * p, u + answer * p
-
-    def aside(angle: float) -> float:
-        _, after = sliding(angle)
-        return float(after[1] * cos(angle) - after[0] * sin(angle))
+        mobility = float((D @ way)[NORMAL])
+        return np.asarray(way * (-(1 + e) * u[NORMAL] / mobility)) if mobility > 0 else way * inf
 
     if mu == 0.0:
-        return sliding(0.0)[0]
-    angles = np.linspace(-pi, pi, DIRECTIONS + 1) + ASIDE
-    values = [aside(angle) for angle in angles.tolist()]
+        return sliding(0.0)
     start = atan2(u[1], u[0])
-    best: tuple[float, Floats] | None = None
-    for left, right, one, other in zip(angles, angles[1:], values, values[1:], strict=False):
-        if one == 0.0:
-            root = float(left)
-        elif one * other < 0 and np.isfinite(one * other):
-            root = float(scipy.optimize.brentq(aside, left, right, xtol=1e-15, rtol=1e-15))
-        else:
+    # of several answers the one in which the slip turns least
+    angles = sorted(
+        _aligned(lambda angle: u + D @ sliding(angle)),
+        key=lambda angle: abs((angle - start + pi) % (2 * pi) - pi),
+    )
+    return sliding(angles[0]) if angles else None
+
+
+def _aligned(velocity: Callable[[float], Floats]) -> list[float]:
+    """Return the angles of a slip whose friction leaves it a velocity along that slip."""
+
+    def aside(angle: float) -> float:
+        v = velocity(angle)
+        return float(v[1] * cos(angle) - v[0] * sin(angle))
+
+    angles = (np.linspace(-pi, pi, DIRECTIONS + 1) + ASIDE).tolist()
+    with np.errstate(invalid="ignore"):
+        values = [aside(angle) for angle in angles]
+    found = []
+    for pair, ends in zip(pairwise(angles), pairwise(values), strict=True):
+        if not isfinite(ends[0] * ends[1]) or ends[0] * ends[1] >= 0:
             continue
-        impulse, after = sliding(root)
-        ahead = after[0] * cos(root) + after[1] * sin(root)
-        # a change of sign at a pole is no root
-        far = abs(aside(root)) > 1e-6 * (float(np.abs(after).max()) + float(np.abs(u).max()))
-        if not np.isfinite(impulse).all() or impulse[NORMAL] < 0 or ahead < 0 or far:
-            continue
-        away = abs((root - start + pi) % (2 * pi) - pi)
-        if best is None or away < best[0]:
-            best = away, impulse
-    return None if best is None else best[1]
+        root = float(scipy.optimize.brentq(aside, *pair, xtol=1e-15, rtol=1e-15))
+        v = velocity(root)
+        if v[0] * cos(root) + v[1] * sin(root) > 0:
+            found.append(root)
+    return found
 
 
 @dataclass(slots=True)
@@ -220,12 +225,7 @@ def _phase(
     """
     size = max(float(np.abs(now.velocity).max()), np.finfo(float).tiny)
     for _ in range(16):
-        slip = hypot(now.velocity[0], now.velocity[1])
-        if slip <= STOPPED * size:
-            now.velocity[:2] = 0.0
-            way = _from_rest(D, mu)
-        else:
-            way = np.array([-mu * now.velocity[0] / slip, -mu * now.velocity[1] / slip, 1.0])
+        slip, way = _direction(D, mu, now, size)
         answer = D @ way
         straight = slip <= STOPPED * size or abs(
             answer[0] * now.velocity[1] - answer[1] * now.velocity[0]
@@ -236,11 +236,11 @@ def _phase(
             continue
         # how much more until the slip stops, and until the phase is over
         stops = inf
-        if slip > STOPPED * size:
+        if slip > 0.0:
             closing = -(now.velocity[0] * answer[0] + now.velocity[1] * answer[1]) / slip
             stops = slip / closing if closing > 0 else inf
         ends = _until(now, float(answer[NORMAL]), compress=compress, most=most, work=work)
-        if jams and slip > STOPPED * size:
+        if jams and slip > 0.0:
             ends = inf
         if isinf(ends) and isinf(stops):
             return
@@ -255,6 +255,16 @@ def _phase(
             if compress:
                 now.velocity[NORMAL] = 0.0
             return
+
+
+def _direction(D: Floats, mu: float, now: _Progress, size: float) -> tuple[float, Floats]:
+    """Return the slip, zero where it has stopped, and the impulse per unit of normal impulse."""
+    slip = hypot(now.velocity[0], now.velocity[1])
+    if slip > STOPPED * size:
+        ahead, aside = (now.velocity[:2] / slip).tolist()
+        return slip, np.array([-mu * ahead, -mu * aside, 1.0])
+    now.velocity[:2] = 0.0
+    return 0.0, _from_rest(D, mu)
 
 
 def _until(now: _Progress, slope: float, *, compress: bool, most: float, work: float) -> float:
@@ -280,26 +290,19 @@ def _from_rest(D: Floats, mu: float) -> Floats:
     if hypot(*hold[:2]) <= mu:
         return hold
 
-    def aside(angle: float) -> float:
-        answer = D @ np.array([-mu * cos(angle), -mu * sin(angle), 1.0])
-        return float(answer[1] * cos(angle) - answer[0] * sin(angle))
+    def sliding(angle: float) -> Floats:
+        return np.array([-mu * cos(angle), -mu * sin(angle), 1.0])
 
     # the slip that begins keeps its direction, along what friction leaves of its acceleration
-    angles = np.linspace(-pi, pi, DIRECTIONS + 1) + ASIDE
-    values = [aside(angle) for angle in angles.tolist()]
-    best, way = -inf, hold
-    for left, right, one, other in zip(angles, angles[1:], values, values[1:], strict=False):
-        if one != 0.0 and one * other >= 0:
-            continue
-        root = float(left)
-        if one != 0.0:
-            root = float(scipy.optimize.brentq(aside, left, right, xtol=1e-15, rtol=1e-15))
-        trial = np.array([-mu * cos(root), -mu * sin(root), 1.0])
-        answer = D @ trial
-        ahead = float(answer[0] * cos(root) + answer[1] * sin(root))
-        if ahead > max(best, 0.0):
-            best, way = ahead, trial
-    return way
+    angles = _aligned(lambda angle: np.asarray(D @ sliding(angle)))
+    if not angles:
+        return hold
+
+    def ahead(angle: float) -> float:
+        answer = D @ sliding(angle)
+        return float(answer[0] * cos(angle) + answer[1] * sin(angle))
+
+    return sliding(max(angles, key=ahead))
 
 
 def _turn(

@@ -39,7 +39,7 @@ from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 from reference.smooth.extrema import ExtremumRecorder, Run
-from reference.unilateral.flight import NODES, Flight
+from reference.unilateral.flight import Flight
 from reference.unilateral.free_body import (
     Body,
     launch_of,
@@ -49,6 +49,7 @@ from reference.unilateral.free_body import (
     rising,
 )
 from reference.unilateral.impact import Collision, collide
+from reference.unilateral.next_contact import NODES, margin, next_contact
 from reference.unilateral.path import FlightPath, UnilateralPath
 
 # What is left of a sequence of impacts, in units of the fastest rate: its square is round-off.
@@ -56,8 +57,8 @@ ENDLESS = 1e-8
 # The same of a can that rocks on its face without slipping, whose rocking times are a geometric
 # sequence but for their third powers.
 ENDLESS_ROCKING = 5e-6
-# Square of the velocities, and of the height over R, with which a can no longer rattles on its face:
-# its flights are shorter than 1e-6, and their heights are near round-off.
+# Square of the velocities, and height over R, below which a can lies on its face: its flights are
+# shorter than 1e-6, and their heights near round-off.
 RATTLES = 1e-13
 # What lies on its face and slides or turns no faster is at rest, as exact as its rattling is.
 SLIDES = 1e-6
@@ -201,8 +202,8 @@ class UnilateralMotion:
         launch = launch_of(y, self._body, rise=rise, gap=gap)
         flight = Flight(self._body, launch)
         most = self._watch.t_end - launch.time
-        met = flight.meets(most, lifted=lifted)
-        duration, lower = (most, True) if met is None else met
+        met = next_contact(flight, most, lifted=lifted)
+        duration = most if met is None else met.after
         path = FlightPath(flight, duration, locus=True)
         cut = self._extrema(path)
         if cut is not None:
@@ -213,7 +214,7 @@ class UnilateralMotion:
         self._add(path, launch.time, [phase])
         if met is None:
             self._watch.end(path.t_end, Outcome.FINISHED)
-        elif not lower:
+        elif not met.lower:
             self._watch.end(path.t_end, Outcome.OVERTURNED)
         if self._watch.ended():
             return None
@@ -249,7 +250,7 @@ class UnilateralMotion:
     def _acceleration(self, y: Floats, rise: float) -> float:
         """Return the vertical acceleration of the gap of a rim without a force of the plane."""
         flight = Flight(self._body, launch_of(y, self._body, rise=rise))
-        bend = float(flight.margin(flight.at(np.zeros(1)))[2][0])
+        bend = float(margin(flight, flight.at(np.zeros(1)))[2][0])
         r, at = self._body.effects.rim, Angles.of(y[LEAN])
         if r == 1.0:
             return bend
@@ -288,7 +289,8 @@ class UnilateralMotion:
         if self._watch.ended():
             return None
         if self._lies(after, up):
-            return self._rest(after, 2 * abs(rise))
+            self._rest(after, 2 * abs(rise))
+            return None
         if up > STILL * abs(rise):
             return self._fly(after, up)
         return after
@@ -347,11 +349,13 @@ class UnilateralMotion:
         if self._watch.ended():
             return None
         left = self._left_flat(y, rise, max(rise, there), falling)
-        if self._lies(y, max(rise, there)):
-            return self._rest(y, left if left < np.inf else 0.0)
+        if rise > STILL * falling and self._lies(y, max(rise, there)):
+            self._rest(y, left if left < np.inf else 0.0)
+            return None
         rolls = rise <= STILL * falling and not y[SLIP].any() and not before[SLIP].any()
         if left < (ENDLESS_ROCKING if rolls else ENDLESS):
-            return self._rest(y, left)
+            self._rest(y, left)
+            return None
         if rise > STILL * falling and there > STILL * falling:
             return self._fly(y, rise)
         return other_side(y, self._body) if rise > there else y

@@ -2,14 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
 from reference.nonsmooth.segments import SegmentsPath
 from reference.problem.states import Floats, Snapshot, States
-from reference.unilateral.flight import FreeStates, Flight
-from reference.unilateral.free_body import Body, Launch
+from reference.unilateral.flight import Flight, FreeStates
+from reference.unilateral.free_body import Launch
 
 # Nodes of a flight for each time in which it turns by a radian: angles count turns between them.
 A_RADIAN = 8
@@ -200,7 +201,7 @@ def _joined(
     parts: Sequence[States], order: np.ndarray[tuple[int, ...], np.dtype[np.intp]]
 ) -> States:
     """Return states in a row, in a given order."""
-    columns = {}
+    columns: dict[str, Any] = {}
     for name in (field.name for field in fields(States)):
         values = [getattr(part, name) for part in parts]
         columns[name] = None if values[0] is None else np.concatenate(values)[order]
