@@ -160,15 +160,18 @@ def middle_velocity(
     r = effects.rim
     S = np.sin(states.phi)
     along, height = _arm(states, parameters, effects)
+    lever = _lever(states, parameters, effects)
     one_minus_C = 2 * np.sin(states.phi / 2) ** 2
     # of (1 - r) the lever of the turning about the axis, of the height that of the precession
     axial = states.spin - states.psi_dot * one_minus_C
-    aside = (1 - r) * axial - states.psi_dot * S * (parameters.h - r) + r * S * states.theta_dot
+    aside = (1 - r) * axial - states.psi_dot * S * lever + r * S * states.theta_dot
     velocity = np.stack(
         [*_turned(states.phi_dot * height, aside, states.psi), -states.phi_dot * along], axis=-1
     )
     if states.slip is not None:
         velocity[:, :2] += states.slip
+    if states.rise is not None:
+        velocity[:, 2] += states.rise
     return velocity
 
 
@@ -208,7 +211,8 @@ def middle_position(
     if states.x is None or states.y is None:
         sentence = 'the states have no contact point: ask for outputs={"contact_locus"}'
         raise RefusedError("outputs", None, "contact_locus", sentence)
-    contact = np.stack([states.x, states.y, np.zeros_like(states.x)], axis=-1)
+    gap = np.zeros_like(states.x) if states.gap is None else states.gap
+    contact = np.stack([states.x, states.y, gap], axis=-1)
     return contact - contact_from_middle(states, parameters, _known(states, effects))
 
 
@@ -241,8 +245,17 @@ def _known(states: States, effects: Effects | None) -> Effects:
 
 def _arm(states: States, parameters: Parameters, effects: Effects) -> tuple[Floats, Floats]:
     """Contact from the middle of the can along (cos psi, sin psi, 0) and the vertical."""
-    S, C, h, r = np.sin(states.phi), np.cos(states.phi), parameters.h, effects.rim
-    return (h - r) * S - (1 - r) * C, -((1 - r) * S + (h - r) * C + r)
+    S, C, r = np.sin(states.phi), np.cos(states.phi), effects.rim
+    lever = _lever(states, parameters, effects)
+    return lever * S - (1 - r) * C, -((1 - r) * S + lever * C + r)
+
+
+def _lever(states: States, parameters: Parameters, effects: Effects) -> Floats | float:
+    """Return the middle's height over the circle of the rim's arc; past pi/2 the other rim's."""
+    lever = parameters.h - effects.rim
+    # at pi/2 both rims touch, and its round-off is of no side
+    past = states.phi > np.pi / 2 * (1 + 1e-12)
+    return lever if states.gap is None else np.where(past, -lever, lever)
 
 
 def _turned(x: Floats, y: Floats, angle: Floats) -> tuple[Floats, Floats]:

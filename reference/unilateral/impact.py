@@ -36,6 +36,8 @@ from reference.problem.states import Floats
 NEWTON, POISSON, ENERGETIC = "newton", "poisson", "energetic"
 # Of the velocities: a slip below this share is round-off.
 STOPPED = 1e-14
+# Of an acceleration: its round-off.
+HELD = 1e-12
 # Energy that an impact makes by round-off, as a share of that of its velocities.
 ROUNDED = 1e-13
 # Directions among which that of the last slip is looked for.
@@ -43,6 +45,7 @@ DIRECTIONS = 72
 # Of a motion in a plane that direction is a whole multiple of pi: none of the samples is.
 ASIDE = 0.01
 TOLERANCE = 1e-13
+ASTRAY = 100.0
 NORMAL = 2
 
 
@@ -96,20 +99,17 @@ def collide(
     size = float(u @ np.linalg.solve(D, u))
     if jams and law == NEWTON:
         law = ENERGETIC
-    impulse = None
+    answer = None
     for name in (law, ENERGETIC):
-        if name == NEWTON:
-            impulse = _newton(D, u, mu, e)
-        else:
-            impulse = _followed(D, u, mu, e, name, jams=jams)
-        if impulse is None:
+        newton = name == NEWTON
+        answer = _newton(D, u, mu, e) if newton else _followed(D, u, mu, e, name, jams=jams)
+        if answer is None:
             continue
-        after = u + D @ impulse
+        impulse, after = answer
         lost = -float((u + after) @ impulse) / 2
         if lost >= -ROUNDED * size or name == ENERGETIC:
             break
-    assert impulse is not None  # noqa: S101 - the energetic law always has an answer
-    after = _cleared(after, u)
+    assert answer is not None  # noqa: S101 - the energetic law always has one
     return Collision(
         impulse=impulse,
         velocity=after,
@@ -119,23 +119,12 @@ def collide(
     )
 
 
-def _cleared(after: Floats, before: Floats) -> Floats:
-    """Return a velocity without the round-off of a slip or a rise that is zero."""
-    size = STOPPED * float(np.abs(before).max())
-    cleared = after.copy()
-    if hypot(after[0], after[1]) <= size:
-        cleared[:2] = 0.0
-    if abs(after[NORMAL]) <= size:
-        cleared[NORMAL] = 0.0
-    return cleared
-
-
-def _newton(D: Floats, u: Floats, mu: float, e: float) -> Floats | None:
-    """Return the impulse of Newton's law; None where none is inside the cone."""
+def _newton(D: Floats, u: Floats, mu: float, e: float) -> tuple[Floats, Floats] | None:
+    """Return impulse and velocity after it of Newton's law; None where none is in the cone."""
     target = np.array([0.0, 0.0, -e * u[NORMAL]])
     impulse: Floats = np.asarray(np.linalg.solve(D, target - u))
     if impulse[NORMAL] >= 0 and hypot(*impulse[:2]) <= mu * impulse[NORMAL]:
-        return impulse
+        return impulse, target
     if isinf(mu):
         return None
 
@@ -144,15 +133,21 @@ def _newton(D: Floats, u: Floats, mu: float, e: float) -> Floats | None:
         mobility = float((D @ way)[NORMAL])
         return np.asarray(way * (-(1 + e) * u[NORMAL] / mobility)) if mobility > 0 else way * inf
 
+    def outcome(angle: float) -> tuple[Floats, Floats]:
+        impulse = sliding(angle)
+        after = u + D @ impulse
+        after[NORMAL] = target[NORMAL]
+        return impulse, after
+
     if mu == 0.0:
-        return sliding(0.0)
+        return outcome(0.0)
     start = atan2(u[1], u[0])
     # of several answers the one in which the slip turns least
     angles = sorted(
         _aligned(lambda angle: u + D @ sliding(angle)),
         key=lambda angle: abs((angle - start + pi) % (2 * pi) - pi),
     )
-    return sliding(angles[0]) if angles else None
+    return outcome(angles[0]) if angles else None
 
 
 def _aligned(velocity: Callable[[float], Floats]) -> list[float]:
@@ -186,7 +181,7 @@ class _Progress:
 
 
 def _followed(D: Floats, u: Floats, mu: float, e: float, law: str, *, jams: bool = False) -> Floats:
-    """Return the impulse of Poisson's or of the energetic law, by following the slip."""
+    """Return impulse and velocity after it of Poisson's or the energetic law: follow the slip."""
     now = _Progress(impulse=np.zeros(3), velocity=u.astype(float).copy())
     if isinf(mu):
         # the slip is stopped before the normal impulse is any
@@ -195,7 +190,7 @@ def _followed(D: Floats, u: Floats, mu: float, e: float, law: str, *, jams: bool
         now = _Progress(impulse=stop, velocity=now.velocity + D @ stop)
         now.velocity[:2] = 0.0
         if now.velocity[NORMAL] >= 0:
-            return now.impulse
+            return now.impulse, now.velocity
     # of a rim that jams, whose normal velocity is zero, the impulse compresses before it lets go
     _phase(D, mu, now, compress=True, most=inf, work=inf, jams=jams)
     at_most, stored = float(now.impulse[NORMAL]), -now.work
@@ -205,7 +200,7 @@ def _followed(D: Floats, u: Floats, mu: float, e: float, law: str, *, jams: bool
         now.work = 0.0
         if work > 0.0:
             _phase(D, mu, now, compress=False, most=most, work=work)
-    return now.impulse
+    return now.impulse, now.velocity
 
 
 def _phase(
@@ -227,18 +222,22 @@ def _phase(
     for _ in range(16):
         slip, way = _direction(D, mu, now, size)
         answer = D @ way
-        straight = slip <= STOPPED * size or abs(
-            answer[0] * now.velocity[1] - answer[1] * now.velocity[0]
-        ) <= STOPPED * slip * float(np.abs(answer).max())
+        if slip == 0.0 and hypot(answer[0], answer[1]) <= HELD * float(np.abs(answer).max()):
+            # what is held does not move by the round-off of what holds it
+            answer[:2] = 0.0
+        straight = (
+            slip == 0.0
+            or mu == 0.0
+            or abs(answer[0] * now.velocity[1] - answer[1] * now.velocity[0])
+            <= STOPPED * slip * float(np.abs(answer).max())
+        )
         if not straight:
             if _turn(D, mu, now, compress=compress, most=most, work=work):
                 return
             continue
         # how much more until the slip stops, and until the phase is over
-        stops = inf
-        if slip > 0.0:
-            closing = -(now.velocity[0] * answer[0] + now.velocity[1] * answer[1]) / slip
-            stops = slip / closing if closing > 0 else inf
+        closing = -(now.velocity[0] * answer[0] + now.velocity[1] * answer[1])
+        stops = slip * slip / closing if closing > 0 else inf
         ends = _until(now, float(answer[NORMAL]), compress=compress, most=most, work=work)
         if jams and slip > 0.0:
             ends = inf
@@ -260,7 +259,7 @@ def _phase(
 def _direction(D: Floats, mu: float, now: _Progress, size: float) -> tuple[float, Floats]:
     """Return the slip, zero where it has stopped, and the impulse per unit of normal impulse."""
     slip = hypot(now.velocity[0], now.velocity[1])
-    if slip > STOPPED * size:
+    if slip > STOPPED * size and isfinite(mu):
         ahead, aside = (now.velocity[:2] / slip).tolist()
         return slip, np.array([-mu * ahead, -mu * aside, 1.0])
     now.velocity[:2] = 0.0
@@ -316,7 +315,8 @@ def _turn(
     limit = STOPPED * max(float(np.abs(now.velocity).max()), start) / 2
 
     def rates(_: float, y: Floats) -> list[float]:
-        slip, c, s = np.exp(y[0]), cos(y[1]), sin(y[1])
+        # a trial step may go far astray before it is refused
+        slip, c, s = np.exp(min(float(y[0]), ASTRAY)), cos(y[1]), sin(y[1])
         a = D @ np.array([-mu * c, -mu * s, 1.0])
         return [
             a[0] * c + a[1] * s,
