@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from reference.equations.compiled_equations import CompiledEquations, laws_of
-from reference.equations.contact_laws import Equations, Kind, Mode, Phase
+from reference.equations.contact_laws import Equations, Mode
 from reference.equations.state_vector import (
     ALONG,
     LEAN,
@@ -88,19 +88,7 @@ ENDINGS = {
 
 
 class HybridIntegrator:
-    """Integrates one problem, from its release or from a later state on the rim.
-
-    Parameters
-    ----------
-    problem : Problem
-    equations : Equations
-    locus : bool
-        Whether to compute the place of the contact and the works.
-    start : ndarray, shape (13,), optional
-        State to begin with; the release unless given.
-    watch : ExtremumRecorder, optional
-        Of a motion that has begun before; a new one unless given.
-    """
+    """Integrates one problem, from its release or from a later state, shape (13,), on the rim."""
 
     def __init__(
         self,
@@ -143,18 +131,13 @@ class HybridIntegrator:
             track=replace(track, extrema=extrema),
             steps=len(self._pieces),
             evaluations=self._evaluations,
-            phases=tuple(self.phases(path.end_times)),
+            phases=path.phases(),
         )
 
     @property
-    def state(self) -> Floats:
-        """Return the state that is reached, shape (13,)."""
-        return self._y
-
-    @property
-    def evaluations(self) -> int:
-        """Return how often the equations were evaluated."""
-        return self._evaluations
+    def reached(self) -> tuple[Floats, int]:
+        """Return the state that is reached, shape (13,), and the evaluations that it took."""
+        return self._y, self._evaluations
 
     def follow(self) -> SegmentsPath:
         """Integrate to the horizon or an ending."""
@@ -414,15 +397,3 @@ class HybridIntegrator:
             length=0.0,
             mode=self._mode,
         )
-
-    def phases(self, end_times: list[float]) -> list[Phase]:
-        """Return the intervals of sticking and of slipping."""
-        phases: list[Phase] = []
-        for piece, end in zip(self._pieces, end_times, strict=False):
-            kind: Kind = piece.mode.kind
-            start = float(piece.start[TIME])
-            if phases and phases[-1].kind is kind:
-                phases[-1] = replace(phases[-1], end=end)
-            else:
-                phases.append(Phase(kind=kind, start=start, end=end))
-        return phases

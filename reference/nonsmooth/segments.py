@@ -1,13 +1,13 @@
 """Dense output of the hybrid integrator: pieces, each a polynomial in the time of the rim."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reference.equations.compiled_equations import CompiledEquations
-from reference.equations.contact_laws import Equations, Mode
+from reference.equations.contact_laws import Equations, Mode, Phase
 from reference.equations.frames import to_level
 from reference.equations.state_vector import (
     DISSIPATED,
@@ -114,6 +114,20 @@ class SegmentsPath:
         """Return states at the given times, shape (n,)."""
         y, number = self.rows(np.asarray(times, dtype=float))
         return self._states(y, number)
+
+    def phases(self) -> tuple[Phase, ...]:
+        """Return the intervals of sticking and of slipping, in order."""
+        phases: list[Phase] = []
+        for piece, end in zip(self.pieces, self.end_times, strict=True):
+            # what has no duration is no phase: the release of a motion that ends there
+            if piece.length == 0.0:
+                continue
+            kind, start = piece.mode.kind, float(piece.start[TIME])
+            if phases and phases[-1].kind is kind:
+                phases[-1] = replace(phases[-1], end=end)
+            else:
+                phases.append(Phase(kind=kind, start=start, end=end))
+        return tuple(phases)
 
     def lost(self, times: Floats) -> Floats:
         """Return the energy dissipated since the release, less the energy supplied, shape (n,)."""

@@ -180,7 +180,9 @@ class _Progress:
     work: float = 0.0
 
 
-def _followed(D: Floats, u: Floats, mu: float, e: float, law: str, *, jams: bool = False) -> Floats:
+def _followed(
+    D: Floats, u: Floats, mu: float, e: float, law: str, *, jams: bool = False
+) -> tuple[Floats, Floats]:
     """Return impulse and velocity after it of Poisson's or the energetic law: follow the slip."""
     now = _Progress(impulse=np.zeros(3), velocity=u.astype(float).copy())
     if isinf(mu):

@@ -8,6 +8,7 @@ round-off: then one impact without restitution and the motion on the rim after i
 sequence by the square of that time, which is round-off.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -151,7 +152,7 @@ class UnilateralMotion:
         slope = there.turning_rate[0] @ np.array([-sin, cos, 0.0])
         return float(self.problem.psi_dot * level[0] - slope)
 
-    def _add(self, part: SegmentsPath | FlightPath, start: float, phases: list[Phase]) -> None:
+    def _add(self, part: SegmentsPath | FlightPath, start: float, phases: Sequence[Phase]) -> None:
         """Append a part of the path."""
         self._parts.append(part)
         self._starts.append(start)
@@ -172,10 +173,11 @@ class UnilateralMotion:
         )
         path = integrator.follow()
         self._watch = integrator.watch
-        self._evaluations += integrator.evaluations
+        state, evaluations = integrator.reached
+        self._evaluations += evaluations
         self._steps += len(path.pieces)
-        self._add(path, float(y[TIME]), integrator.phases(path.end_times))
-        y, outcome = integrator.state, self._watch.outcome
+        self._add(path, float(y[TIME]), path.phases())
+        y, outcome = state, self._watch.outcome
         if outcome is Outcome.LIFTED:
             return self._lift(y)
         if outcome is Outcome.FELL_FLAT:
