@@ -11,7 +11,10 @@ from harness.studies.cost.design import plan_cost
 from models import Compliance, Effects, Horizon, Restitution, Scene, Slip, Tilt, load
 
 
-@pytest.mark.parametrize("effects", [Effects(), Effects(slip=Slip(mu=0.3))])
+@pytest.mark.parametrize(
+    "effects",
+    [Effects(), Effects(slip=Slip(mu=0.3)), Effects(restitution=Restitution(coefficient=0.5))],
+)
 def test_what_the_reference_carries_is_accepted(brief: Scene, effects: Effects) -> None:
     check_exact(replace(brief, effects=effects))
 
@@ -19,9 +22,8 @@ def test_what_the_reference_carries_is_accepted(brief: Scene, effects: Effects) 
 def test_what_it_does_not_is_refused(brief: Scene) -> None:
     beyond = (
         replace(brief, effects=Effects(compliance=Compliance(stiffness=1e4))),
-        replace(brief, effects=Effects(restitution=Restitution(coefficient=0.5))),
         replace(brief, gravity=0.0),
-        replace(brief, release=replace(brief.release, height=1e-3)),
+        replace(brief, release=replace(brief.release, height=-1e-3)),
     )
     for scene in beyond:
         with pytest.raises(InvalidSettingError) as caught:
