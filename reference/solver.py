@@ -301,7 +301,7 @@ def _dispatch(
         "frictionless": lambda: (_without_friction(problem, method, rtol), method),
         "coulomb": lambda: (_with_phases(problem, model, locus=locus, compiled=compiled), named),
         "general": lambda: (_with_phases(problem, model, locus=locus, compiled=compiled), named),
-        "unilateral": lambda: (_in_the_air(problem, compiled=compiled), named),
+        "unilateral": lambda: _in_the_air(problem, method, compiled=compiled),
     }
     if model in smaller:
         run, used = smaller[model]()
@@ -337,10 +337,11 @@ def _without_friction(problem: Problem, method: str, rtol: float) -> Run:
     return solve_frictionless(problem, method=method, rtol=rtol)
 
 
-def _in_the_air(problem: Problem, *, compiled: bool) -> Run:
+def _in_the_air(problem: Problem, method: str, *, compiled: bool) -> tuple[Run, str]:
     from reference.unilateral.motion import UnilateralMotion
 
-    return UnilateralMotion(problem, compiled=compiled).run()
+    motion = UnilateralMotion(problem, compiled=compiled)
+    return motion.run(), f"{method}, compiled" if motion.compiled else method
 
 
 def _with_phases(problem: Problem, model: str, *, locus: bool, compiled: bool) -> Run:

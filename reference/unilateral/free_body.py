@@ -25,6 +25,7 @@ from reference.equations.state_vector import (
 )
 from reference.problem.can import Parameters
 from reference.problem.effects import Effects
+from reference.problem.problem import Problem
 from reference.problem.states import Floats
 
 
@@ -203,3 +204,13 @@ def kinetic_energy(launch: Launch, body: Body) -> float:
     """Return the kinetic energy of a free can, in m g R."""
     w = launch.frame.T @ launch.turning
     return float(body.mass * launch.velocity @ launch.velocity + w @ body.inertia @ w) / 2
+
+
+def moves_in_a_plane(problem: Problem) -> bool:
+    """Return whether nothing ever turns the can out of the vertical plane of its axis."""
+    e = problem.effects
+    pushed = (*e.gravity.constant[:2], *e.gravity.amplitude[:2])
+    level = not any(pushed) or (problem.psi == 0.0 and not any(pushed[1::2]))
+    beside = e.mass is not None and (e.mass.y != 0.0 or (e.mass.x != 0.0 and problem.theta != 0.0))
+    turns = problem.psi_dot or problem.theta_dot or problem.slip[1]
+    return level and not beside and not turns

@@ -44,6 +44,7 @@ from reference.unilateral.flight import Flight
 from reference.unilateral.free_body import (
     Body,
     launch_of,
+    moves_in_a_plane,
     on_rim,
     other_side,
     rise_of_other_side,
@@ -68,19 +69,19 @@ STILL = 1e-15
 JAMS = frozenset({Outcome.JAMMED, Outcome.INCONSISTENT})
 
 
-def moves_in_a_plane(problem: Problem) -> bool:
-    """Return whether nothing ever turns the can out of the vertical plane of its axis."""
-    e = problem.effects
-    pushed = (*e.gravity.constant[:2], *e.gravity.amplitude[:2])
-    level = not any(pushed) or (problem.psi == 0.0 and not any(pushed[1::2]))
-    beside = e.mass is not None and (e.mass.y != 0.0 or (e.mass.x != 0.0 and problem.theta != 0.0))
-    turns = problem.psi_dot or problem.theta_dot or problem.slip[1]
-    return level and not beside and not turns
-
-
 @dataclass(slots=True, eq=False)
 class UnilateralMotion:
-    """Follows one problem from its release to its horizon or ending."""
+    """Follows one problem from its release to its horizon or ending.
+
+    Attributes
+    ----------
+    problem : Problem
+    compiled : bool
+        Whether compiled code integrates the motion on the rim: as asked for, but for a can that
+        slides in a plane.
+    impacts : list of Impact
+        So far.
+    """
 
     problem: Problem
     compiled: bool = False
@@ -105,8 +106,12 @@ class UnilateralMotion:
         self._body = Body.of(p, e)
         self._general = GeneralEquations(parameters=p, effects=e)
         plain: Equations = self._general
-        if e.mu is not None and set(e.declared()) == {"slip", "restitution"}:
-            plain = CoulombEquations(parameters=p, mu=e.mu)
+        if set(e.declared()) <= {"slip", "restitution"}:
+            mu = np.inf if e.mu is None else e.mu
+            plain = CoulombEquations(parameters=p, mu=mu, only_pushes=True)
+        if self._planar and e.mu:
+            # compiled sums of the general can leave a slip in the plane a round-off beside it
+            self.compiled = False
         self._equations = CompiledEquations.of(plain, self.problem) if self.compiled else plain
 
     def run(self) -> Run:
