@@ -182,7 +182,8 @@ class Truth:
 
     def grid(self) -> Floats:
         """Return sampling times that are dense by angle and hold every extremum of phi, s."""
-        return self.solution.grid() * natural_time(self.scene)
+        # impacts may follow each other by an ulp, which a unit of time makes none
+        return np.unique(self.solution.grid() * natural_time(self.scene))
 
     def lost(self, times: Floats) -> Floats:
         """Return the energy that the effects have taken since the release, shape (n,), J.
