@@ -13,6 +13,8 @@ from models.quantity import finite, not_negative, positive
 
 ADDED_LATER = MappingProxyType({"left out at its default": True})
 """Metadata of a constant that a law got later: scenes that leave it out keep their digest."""
+IMPACT_LAWS = ("newton", "poisson")
+"""Laws of restitution."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,25 +97,34 @@ class Compliance:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Restitution:
-    """Newton's impact law: the normal velocity of the contact after an impact is -e times before.
+    """How much an impact gives back, by Newton's law or by Poisson's.
+
+    Declared, be it with a coefficient of 0, the contact is unilateral: a can that the plane would
+    have to pull leaves it, flies, and lands. An effect that is left out makes the same of a can
+    that is released above the plane, with a coefficient of 0.
 
     Parameters
     ----------
     coefficient : float
-        e, from 0 (what a rim does that stays on the plane) to 1 (nothing is lost).
+        e, from 0 (the rim stays on the plane) to 1 (nothing is lost along the normal).
+    law : str
+        "newton": the normal velocity of the contact after an impact is -e times that before;
+        "poisson": the normal impulse after the greatest compression is e times that until then.
+        Without friction the two are one.
 
     Raises
     ------
     InvalidValueError
-        If the coefficient lies outside [0, 1].
+        If the coefficient lies outside [0, 1], or there is no such law.
     """
 
     modelling_choice: ClassVar[str] = (
-        "An impact gives back the same share of the normal velocity however fast it is "
-        "(Newton's law)."
+        "An impact gives back the same share of the normal velocity (Newton's law) or of the "
+        "normal impulse (Poisson's law) however fast it is."
     )
 
     coefficient: float
+    law: str = field(default="newton", metadata=ADDED_LATER)
 
     def __post_init__(self) -> None:
         """Refuse an impact that makes energy."""
@@ -122,6 +133,8 @@ class Restitution:
         if not 0.0 <= value <= 1.0:
             raise InvalidValueError("coefficient", value, allowed)
         object.__setattr__(self, "coefficient", value)
+        if self.law not in IMPACT_LAWS:
+            raise InvalidValueError("law", self.law, " or ".join(map(repr, IMPACT_LAWS)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -133,7 +133,7 @@ IDEAL = Effects()
 """No effect at all: rigid, no slip, no loss, level, at rest."""
 
 
-def constants_of(effect: Any) -> dict[str, float]:  # noqa: ANN401 - of any kind
+def constants_of(effect: Any) -> dict[str, float | str]:  # noqa: ANN401 - of any kind
     """Return the constants of an effect by name, without those added later at their defaults."""
     return {
         each.name: value

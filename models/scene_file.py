@@ -76,7 +76,11 @@ def _of_effects() -> type[Table]:
     tables: dict[str, Any] = {}
     for name, kind in KINDS.items():
         keys: dict[str, Any] = {
-            key.name: (float, ... if key.default is MISSING else key.default)
+            key.name: (
+                # a law is one of several words; every other constant is a number
+                str if isinstance(key.default, str) else float,
+                ... if key.default is MISSING else key.default,
+            )
             for key in fields(kind)
         }
         tables[name] = (create_model(f"_{kind.__name__}", __base__=Table, **keys) | None, None)
@@ -293,7 +297,7 @@ def _can(table: CanTable) -> Can:
         raise InvalidValueError(*given[error.key], error.allowed) from None
 
 
-def _effect(name: str, constants: dict[str, float]) -> Any:  # noqa: ANN401 - of any kind
+def _effect(name: str, constants: dict[str, float | str]) -> Any:  # noqa: ANN401 - of any kind
     """Build the effect of that name."""
     return KINDS[name](**constants)
 

@@ -6,7 +6,7 @@ from .analysis.validity import Finding, FindingKind, Guard, examine
 from .asymptotic.expansions import leading_constants, paper_constants
 from .asymptotic.hypergeometric import hypergeometric_pair
 from .asymptotic.matched import boundary_rotation, friction_bound, locus_arc, matched_of
-from .equations.contact_laws import Kind, Phase
+from .equations.contact_laws import Impact, Kind, Phase
 from .equations.frictionless import leading_turn_without_friction
 from .equations.reaction_force import (
     centre_position,
@@ -25,7 +25,7 @@ from .equations.steady_motion import (
 from .integrable.cycle import PeriodicMotions, exact_bounces
 from .numerics.compiled import path_taken
 from .problem.can import PAPER_CAN, ParameterError, Parameters
-from .problem.effects import Compliance, EffectError, Effects, Gravity, Mass
+from .problem.effects import Compliance, EffectError, Effects, Gravity, Mass, Restitution
 from .problem.outcome import Outcome
 from .problem.problem import Problem, ProblemError
 from .problem.states import States
@@ -61,6 +61,7 @@ __all__ = [
     "FindingKind",
     "Gravity",
     "Guard",
+    "Impact",
     "Kind",
     "Mass",
     "Outcome",
@@ -71,6 +72,7 @@ __all__ = [
     "Problem",
     "ProblemError",
     "RefusedError",
+    "Restitution",
     "Solution",
     "SolverError",
     "States",

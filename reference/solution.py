@@ -8,13 +8,14 @@ import numpy as np
 from reference.analysis.agreement import Agreement
 from reference.analysis.conditioning import RoundOff, round_off
 from reference.analysis.sampling import grid_by_angle
-from reference.equations.contact_laws import Phase
+from reference.equations.contact_laws import Impact, Phase
 from reference.nonsmooth.segments import SegmentsPath
 from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
 from reference.problem.states import Floats, States
 from reference.problem.validation import RefusedError
 from reference.smooth.extrema import Path
+from reference.unilateral.path import UnilateralPath
 
 if TYPE_CHECKING:
     from reference.analysis.sensitivity import Sensitivity
@@ -69,7 +70,10 @@ class Solution:
     why : str
         Why these: what the smallest model that carries the problem is, in a sentence.
     phases : tuple of Phase
-        Intervals in which the rim sticks or slips, in order; none of a model without a contact.
+        Intervals in which the rim sticks, slips or flies, in order; none of a model without a
+        contact.
+    impacts : tuple of Impact
+        Of a can whose contact is unilateral, in order.
     agreement : Agreement or None
         How the closed solution and the integration compare, of a motion that was solved twice.
     """
@@ -88,6 +92,7 @@ class Solution:
     equations: int = 0
     why: str = ""
     phases: tuple[Phase, ...] = ()
+    impacts: tuple[Impact, ...] = ()
     agreement: Agreement | None = None
 
     def at(self, times: Floats | float) -> States:
@@ -125,7 +130,9 @@ class Solution:
             Zero of a model whose rim neither rubs nor is driven.
         """
         own = self.path
-        return own.lost(times) if isinstance(own, SegmentsPath) else np.zeros_like(times)
+        if isinstance(own, SegmentsPath | UnilateralPath):
+            return own.lost(times)
+        return np.zeros_like(times)
 
     @property
     def _rocks(self) -> bool:

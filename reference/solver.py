@@ -9,6 +9,7 @@ The smallest model that carries a problem follows from its effects and its relea
     compliant     the contact gives way: as general, with the depth of the rim and its rate     11
     general       anything else: six velocities, and the angles and the time that the forces
                   depend on                                                            up to 9
+    unilateral    restitution is declared: the same can on the rim, and in the air     up to 9
 
 Psi, theta, the time and the contact point are quadratures wherever nothing depends on them.
 "exact", the closed solution, is of the same can as "rolling"; "reduced" and "asymptotic" are
@@ -60,14 +61,8 @@ class Choice:
 def smallest(problem: Problem) -> Choice:
     """Return the smallest model that carries a problem."""
     effects, declared = problem.effects, problem.effects.declared()
-    if effects.compliance is not None:
-        others = ", ".join(name.replace("_", " ") for name in declared if name != "compliance")
-        why = "Declared: compliance; the rim has a depth, and the plane pushes by the law of it."
-        return Choice(
-            model="compliant",
-            equations=equations_of("compliant", problem),
-            why=f"{why} Beside it: {others}." if others else why,
-        )
+    if effects.compliance is not None or effects.restitution is not None:
+        return _unheld(problem)
     if declared == ("slip",) and effects.mu == 0:
         why = "The plane is declared without friction: two momenta are conserved."
         return Choice(model="frictionless", equations=2, why=why)
@@ -89,14 +84,27 @@ def smallest(problem: Problem) -> Choice:
     return Choice(model="rolling", equations=4, why=why)
 
 
+def _unheld(problem: Problem) -> Choice:
+    """Return the model of a can that may leave the plane, or sink into it."""
+    effects, model = problem.effects, "compliant"
+    why = "Declared: compliance; the rim has a depth, and the plane pushes by the law of it."
+    if effects.restitution is not None:
+        model, given = "unilateral", effects.restitution.coefficient
+        why = f"Restitution {given:g} is declared: a rim that leaves the plane flies, and lands."
+    lawful = {"compliance", "restitution"}
+    others = [name.replace("_", " ") for name in effects.declared() if name not in lawful]
+    why = f"{why} Beside it: {', '.join(others)}." if others else why
+    return Choice(model=model, equations=equations_of(model, problem), why=why)
+
+
 def equations_of(model: str, problem: Problem) -> int:
     """Return how many equations a model integrates together for a problem."""
-    if model in {"general", "compliant"}:
+    if model in {"general", "compliant", "unilateral"}:
         from reference.equations.newton_euler import GeneralEquations
 
         equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
         core = len(equations.core(Mode(slips=problem.effects.mu is not None)))
-        return core if model == "general" else core + 2
+        return core + 2 if model == "compliant" else core
     counts = {"pendulum": 2, "frictionless": 2, "coulomb": 6, "reduced": 2}
     return counts.get(model, 0 if model in {"exact", "asymptotic"} else 4)
 
@@ -111,6 +119,7 @@ def carries(model: str, problem: Problem) -> bool:
         "coulomb": ("coulomb", "general"),
         "general": ("general",),
         "compliant": ("compliant",),
+        "unilateral": ("unilateral",),
     }
     return model in larger[needed]
 
@@ -127,11 +136,13 @@ MODELS = (
     "coulomb",
     "general",
     "compliant",
+    "unilateral",
     "exact",
     "reduced",
     "asymptotic",
 )
 WITH_LOCUS = tuple(model for model in MODELS if model not in {"reduced", "asymptotic"})
+WITH_EVENTS = frozenset({"coulomb", "general", "compliant", "unilateral"})
 WITHOUT_SLIP = ("pendulum", "rolling", "exact")
 
 
@@ -269,6 +280,7 @@ def solve(
         ),
         why=choice.why,
         phases=phases,
+        impacts=run.impacts,
         agreement=None if confirmed is None else confirmed.agreement,
     )
 
@@ -294,7 +306,7 @@ def _dispatch(
         and (method == "half-period" or needed != "pendulum")
     ):
         model = needed
-    if model in {"coulomb", "general", "compliant"} and method != "half-period":
+    if model in WITH_EVENTS and method != "half-period":
         sentence = f"`method` of model {model!r} is 'half-period' alone, not {method!r}"
         raise SolverError("method", method, "half-period", sentence)
     if compiled and model in {"coulomb", "general"}:
@@ -311,6 +323,7 @@ def _dispatch(
         "coulomb": lambda: (_with_phases(problem, model, locus=locus, compiled=compiled), named),
         "general": lambda: (_with_phases(problem, model, locus=locus, compiled=compiled), named),
         "compliant": lambda: (_yielding(problem, locus=locus), method),
+        "unilateral": lambda: _in_the_air(problem, method, compiled=compiled),
     }
     if model in smaller:
         run, used = smaller[model]()
@@ -356,6 +369,13 @@ def _yielding(problem: Problem, *, locus: bool) -> Run:
         raise SolverError("model", "compliant", "another without a compliance", sentence)
     equations = CompliantEquations(parameters=problem.parameters, effects=problem.effects, law=law)
     return CompliantIntegrator(problem, equations, locus=locus).run()
+
+
+def _in_the_air(problem: Problem, method: str, *, compiled: bool) -> tuple[Run, str]:
+    from reference.unilateral.motion import UnilateralMotion
+
+    motion = UnilateralMotion(problem, compiled=compiled)
+    return motion.run(), f"{method}, compiled" if motion.compiled else method
 
 
 def _with_phases(problem: Problem, model: str, *, locus: bool, compiled: bool) -> Run:

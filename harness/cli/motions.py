@@ -26,7 +26,7 @@ from harness.core.case import Case
 from harness.core.errors import ParityError, TrajectoryError
 from harness.core.simulation import Outcome
 from harness.core.writing import WriteError
-from harness.engines.reference import ENDING, PARTED, Agreement, Finding
+from harness.engines.reference import ENDING, PARTED, Agreement, Finding, Impact
 from harness.engines.reference.assumption_checks import Divergence, check_assumptions
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import Truth, solve_case
@@ -217,6 +217,7 @@ def model_answer(e: Evaluation, truth: Truth | None, asked: str) -> Answer:
         "method": None,
         "agreement": None,
         "phases": [],
+        "impacts": [],
         "guard": None,
         "findings": _findings_json(e.findings),
         "divergence": divergence_json(e.divergence),
@@ -239,6 +240,7 @@ def model_answer(e: Evaluation, truth: Truth | None, asked: str) -> Answer:
             {"kind": phase.kind.value, "start_s": phase.start, "end_s": phase.end}
             for phase in truth.phases
         ],
+        "impacts": [_impact_json(impact) for impact in truth.impacts],
     }
     if e.simulation.trajectory is not None:
         seen = check_assumptions(truth)
@@ -251,6 +253,14 @@ def model_answer(e: Evaluation, truth: Truth | None, asked: str) -> Answer:
             "least_gap_m": seen.gap,
         }
     return answer
+
+
+def _impact_json(impact: Impact) -> Answer:
+    """Return an impact of an exact motion, in SI units."""
+    keys = ("time_s", "normal_impulse_n_s", "restitution", "energy_lost_j")
+    numbers = (impact.time, impact.normal_impulse, impact.restitution, impact.energy_lost)
+    rest = {"law": impact.law, "made_energy": impact.made_energy, "ends_at_s": impact.ends_at}
+    return dict(zip(keys, numbers, strict=True)) | rest
 
 
 def _agreement(seen: Agreement | None) -> Answer | None:
@@ -275,7 +285,7 @@ def _why(truth: Truth, asked: str) -> str:
 
 
 _PHASES = 12
-"""Phases that are printed; a contact that vibrates has hundreds, all of which `--json` lists."""
+"""Phases that are printed, of the hundreds of a contact that vibrates; `--json` lists all."""
 
 
 def sentences(answer: Answer) -> Iterable[str]:
@@ -289,6 +299,8 @@ def sentences(answer: Answer) -> Iterable[str]:
         spelled = [f"{p['kind']} {p['start_s']:.6g} to {p['end_s']:.6g}" for p in phases]
         more = f", and {len(phases) - _PHASES} more" if len(phases) > _PHASES else ""
         yield f"Phases, s: {', '.join(spelled[:_PHASES])}{more}."
+    if lost := [impact["energy_lost_j"] for impact in answer["impacts"]]:
+        yield f"Impacts: {len(lost)}, which take {sum(lost):.4g} J."
     yield from chaos_sentences(answer)
     if "derivatives" in answer:
         yield from derivatives_sentences(answer)

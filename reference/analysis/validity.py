@@ -98,12 +98,16 @@ def examine(solution: Solution, times: Floats) -> Guard:
     normal = contact_force_in_world(states, parameters)[:, 2]
     peaks = [bounce.peak_friction_ratio for bounce in solution.bounces]
     friction = np.hypot(*contact_force_in_world(states, parameters)[:, :2].T)
-    ratio = friction_ratio(states, parameters)
+    ratio, pressed = friction_ratio(states, parameters), normal
+    if states.gap is not None and solution.problem.effects.compliance is None:
+        # in the air there is neither force nor friction
+        touches = states.gap == 0
+        ratio, pressed = ratio[touches & (normal > LIGHT)], normal[touches]
     if solution.outcome is Outcome.LIFTED:
         ratio = ratio[normal >= LIGHT]
     guard = Guard(
         friction_ratio=float(max([*ratio, *peaks], default=0.0)),
-        normal_force=float(normal.min()),
+        normal_force=float(pressed.min(initial=np.inf)) if pressed.size else 0.0,
         phi_min=float(states.phi.min()),
         phi_max=float(states.phi.max()),
         gap=_far_rim(states),
@@ -121,8 +125,8 @@ def examine(solution: Solution, times: Floats) -> Guard:
 
 def _far_rim(states: States) -> float:
     """Return the least height of the far rim above the plane, in R, shape (n,)."""
-    depth = 0.0 if states.depth is None else states.depth
-    return float((2 * np.sin(states.phi) - depth).min())
+    gap = 0.0 if states.gap is None else states.gap
+    return float((2 * np.sin(states.phi) + gap).min())
 
 
 def _beyond_cone(
@@ -148,6 +152,8 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
     seen = solution.agreement
     if seen is not None and not seen.holds and seen.sentence:
         findings.append(Finding(kind=FindingKind.DISAGREEMENT, sentence=seen.sentence))
+    # of a can that may leave the plane the motion itself is the answer to a pull, and to a far rim
+    unilateral = solution.problem.effects.restitution is not None
     never_slips = solution.problem.effects.mu is None
     if solution.outcome in ENDINGS:
         sentence = f"{solution.outcome.value} {NONE_CARRIES}"
@@ -157,7 +163,7 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
     # at lift-off it is zero but for round-off, and the outcome has said so
     lifted = solution.outcome is Outcome.LIFTED
     yields = solution.problem.effects.compliance is not None
-    if never_slips and guard.normal_force <= 0 and not lifted and not yields:
+    if never_slips and guard.normal_force <= 0 and not lifted and not yields and not unilateral:
         pull = f"Rolling asks the plane to pull, with up to {-guard.normal_force:.4g} m g: "
         sentence = f"{pull}a can that is only pushed lifts off. {NONE_CARRIES}"
         findings.append(Finding(kind=FindingKind.PULL, sentence=sentence))
@@ -167,7 +173,7 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
         deep = f"The far rim comes {-guard.gap:.2g} R deep into the plane: a real can is pushed "
         sentence = f"{deep}there as well, and the model at its lowest point alone. {NONE_CARRIES}"
         findings.append(Finding(kind=FindingKind.FAR_RIM, sentence=sentence))
-    elif guard.gap < ATOM and solution.outcome is not Outcome.FELL_FLAT:
+    elif guard.gap < ATOM and solution.outcome is not Outcome.FELL_FLAT and not unilateral:
         near = f"The far rim comes within {guard.gap:.2g} R of the plane, less than an atom: "
         sentence = f"{near}a real can touches it with more than one point. {NONE_CARRIES}"
         findings.append(Finding(kind=FindingKind.FAR_RIM, sentence=sentence))

@@ -101,7 +101,7 @@ class CompliantPath(SegmentsPath):
 
     def _states(self, y: Floats, number: np.ndarray[tuple[int, ...], np.dtype[np.intp]]) -> States:
         states = super()._states(y, number)
-        return replace(states, depth=y[DEPTH], rise=y[RISE])
+        return replace(states, gap=-y[DEPTH], rise=y[RISE])
 
 
 class CompliantIntegrator(HybridIntegrator):
@@ -137,7 +137,7 @@ class CompliantIntegrator(HybridIntegrator):
         y[DEPTH] = -problem.height
         if problem.height > 0:
             return y, ModeTransition(mode=FLIGHT)
-        start, now = begin_on_rim(rigid, problem)
+        start, now = begin_on_rim(rigid, released(problem))
         load = 1.0
         if now.ending in {None, Outcome.LIFTED}:
             column = now.infinitesimal(start)

@@ -9,7 +9,7 @@ from reference.problem.states import Floats
 
 
 class Kind(Enum):
-    """Kinds of contact of the rim; the value is the word for a kind."""
+    """Kinds of contact of the rim, or none of it; the value is the word for a kind."""
 
     STICK = "stick"
     SLIP = "slip"
@@ -30,6 +30,37 @@ class Phase:
     kind: Kind
     start: float
     end: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Impact:
+    """One impact of a motion, dimensionless.
+
+    Attributes
+    ----------
+    time : float
+    normal_impulse : float
+        In m sqrt(g R).
+    restitution : float
+        Normal velocity after, over that before; 0 of an impact without a normal velocity.
+    energy_lost : float
+        In m g R, not negative.
+    law : str
+        "newton", "poisson", or "energetic" where the declared law would have made energy.
+    made_energy : bool
+        Whether the declared law would have made energy (Kane's paradox).
+    ends_at : float or None
+        Of an impact that is the first of an infinite sequence in a time below round-off: when that
+        sequence ends. The sequence is one impact without restitution.
+    """
+
+    time: float
+    normal_impulse: float
+    restitution: float
+    energy_lost: float
+    law: str
+    made_energy: bool
+    ends_at: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -58,10 +58,13 @@ class CoulombEquations:
     parameters : Parameters
     mu : float
         Infinite for a rim that never slips.
+    only_pushes : bool
+        Whether the plane never pulls, also where the rim never slips.
     """
 
     parameters: Parameters
     mu: float
+    only_pushes: bool = False
 
     @property
     def drilling(self) -> float:
@@ -76,7 +79,7 @@ class CoulombEquations:
     @property
     def bilateral_normal(self) -> bool:
         """Return whether the plane may pull: under a rim that never slips, the ideal can."""
-        return bool(np.isinf(self.mu))
+        return bool(np.isinf(self.mu)) and not self.only_pushes
 
     def turning(self, y: Floats) -> Floats:
         """Return the angular velocity about the normal, shape (n,)."""

@@ -243,6 +243,21 @@ class GeneralEquations:
         change = D[:, moments] - answers @ np.linalg.solve(answers[rim], D[np.ix_(rim, moments)])
         return np.concatenate([to_body(change[:3], here.at), change[[SLIP_1, SLIP_2]]])
 
+    def mobility(self, y: Floats) -> Floats:
+        """Return changes of velocities at the contact by impulses there, shape (6, 6).
+
+        Of the turning w and the velocity u of the material at the contact, by unit impulses of the
+        moment Q and of the force F, all along (cos psi, sin psi, 0), (-sin psi, cos psi, 0) and the
+        vertical.
+
+        Parameters
+        ----------
+        y : ndarray, shape (13,)
+        """
+        here = self._setting(y[:, None], Mode())
+        inverse = np.asarray(np.linalg.inv(here.inertia[..., 0]))[None]
+        return np.asarray(_mobility(inverse, here, here.at)[0])
+
     def _law(self, y: Floats, mode: Mode) -> Floats:
         """Return the moments and forces that a unit of normal force causes, shape (6, n)."""
         e = self.effects

@@ -161,10 +161,11 @@ def middle_velocity(
     r = effects.rim
     S = np.sin(states.phi)
     along, height = _arm(states, parameters, effects)
+    lever = _lever(states, parameters, effects)
     one_minus_C = 2 * np.sin(states.phi / 2) ** 2
     # of (1 - r) the lever of the turning about the axis, of the height that of the precession
     axial = states.spin - states.psi_dot * one_minus_C
-    aside = (1 - r) * axial - states.psi_dot * S * (parameters.h - r) + r * S * states.theta_dot
+    aside = (1 - r) * axial - states.psi_dot * S * lever + r * S * states.theta_dot
     velocity = np.stack(
         [*_turned(states.phi_dot * height, aside, states.psi), -states.phi_dot * along], axis=-1
     )
@@ -211,7 +212,7 @@ def middle_position(
     if states.x is None or states.y is None:
         sentence = 'the states have no contact point: ask for outputs={"contact_locus"}'
         raise RefusedError("outputs", None, "contact_locus", sentence)
-    height = np.zeros_like(states.x) if states.depth is None else -states.depth
+    height = np.zeros_like(states.x) if states.gap is None else states.gap
     contact = np.stack([states.x, states.y, height], axis=-1)
     return contact - contact_from_middle(states, parameters, _known(states, effects))
 
@@ -245,8 +246,17 @@ def _known(states: States, effects: Effects | None) -> Effects:
 
 def _arm(states: States, parameters: Parameters, effects: Effects) -> tuple[Floats, Floats]:
     """Contact from the middle of the can along (cos psi, sin psi, 0) and the vertical."""
-    S, C, h, r = np.sin(states.phi), np.cos(states.phi), parameters.h, effects.rim
-    return (h - r) * S - (1 - r) * C, -((1 - r) * S + (h - r) * C + r)
+    S, C, r = np.sin(states.phi), np.cos(states.phi), effects.rim
+    lever = _lever(states, parameters, effects)
+    return lever * S - (1 - r) * C, -((1 - r) * S + lever * C + r)
+
+
+def _lever(states: States, parameters: Parameters, effects: Effects) -> Floats | float:
+    """Return the middle's height over the circle of the rim's arc; past pi/2 the other rim's."""
+    lever = parameters.h - effects.rim
+    # at pi/2 both rims touch, and its round-off is of no side
+    past = states.phi > np.pi / 2 * (1 + 1e-12)
+    return lever if states.gap is None else np.where(past, -lever, lever)
 
 
 def _turned(x: Floats, y: Floats, angle: Floats) -> tuple[Floats, Floats]:

@@ -10,7 +10,7 @@ Needs numba (`reference.numerics.compiled`).
 import numpy as np
 
 from reference.equations.compiled_equations import CompiledEquations, laws_of
-from reference.equations.state_vector import LEAN, ROWS, TIME, phi_of
+from reference.equations.state_vector import LEAN, ROWS, TIME, phi_of, released
 from reference.nonsmooth import event_kernels, kernels
 from reference.nonsmooth.events import compiled_events
 from reference.nonsmooth.hybrid_integrator import MOST_WORK, HybridIntegrator
@@ -19,6 +19,7 @@ from reference.nonsmooth.segments import Segment
 from reference.nonsmooth.transitions import ModeTransition, begin_on_rim
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
+from reference.smooth.extrema import ExtremumRecorder
 
 # In sigma, as `FIRST`: steps by fixed point cost next to nothing where they are refused.
 FIRST_ROUNDS = 0.4
@@ -33,14 +34,22 @@ FIRST_POINT = basis(points()[:1])[0]
 class CompiledIntegrator(HybridIntegrator):
     """Integrates one problem by compiled code."""
 
-    def __init__(self, problem: Problem, equations: CompiledEquations, *, locus: bool) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        equations: CompiledEquations,
+        *,
+        locus: bool,
+        start: Floats | None = None,
+        watch: ExtremumRecorder | None = None,
+    ) -> None:
         self._compiled = equations
-        super().__init__(problem, equations, locus=locus)
+        super().__init__(problem, equations, locus=locus, start=start, watch=watch)
         if not self._mode.slips and not self._now.at_once:
             self._length = FIRST_ROUNDS
 
     def _released(self, problem: Problem) -> tuple[Floats, ModeTransition]:
-        return begin_on_rim(self._equations, problem, at=self._locus)
+        return begin_on_rim(self._equations, released(problem, at=self._locus))
 
     def _most_work(self) -> int:
         """Return how many evaluations the motion may call for."""

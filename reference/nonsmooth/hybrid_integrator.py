@@ -18,6 +18,7 @@ from reference.equations.state_vector import (
     TURN,
     W2,
     Index,
+    released,
     sizes,
     snapshot_of,
 )
@@ -80,22 +81,33 @@ ENDINGS = {
 
 
 class HybridIntegrator:
-    """Integrates one problem."""
+    """Integrates one problem, from its release or from a later state, shape (13,), on the rim."""
 
-    def __init__(self, problem: Problem, equations: Equations, *, locus: bool) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        equations: Equations,
+        *,
+        locus: bool,
+        start: Floats | None = None,
+        watch: ExtremumRecorder | None = None,
+    ) -> None:
         self._equations = equations
         self._locus = locus
         self._counts = problem.bounces is not None
         self._length = FIRST
         self._evaluations = 0
         self._pieces: list[Segment] = []
-        self._y, now = self._released(problem)
-        rates = equations.rates(now.infinitesimal(self._y), now.mode)[:, 0]
-        self.watch = self._recorder(problem, -float(rates[W2] / rates[TIME]))
+        begun = self._released(problem) if start is None else begin_on_rim(equations, start)
+        self._y, now = begun
+        if watch is None:
+            rates = equations.rates(now.infinitesimal(self._y), now.mode)[:, 0]
+            watch = self._recorder(problem, -float(rates[W2] / rates[TIME]))
+        self.watch = watch
         self._go_on(now)
 
     def _released(self, problem: Problem) -> tuple[Floats, ModeTransition]:
-        return begin_on_rim(self._equations, problem)
+        return begin_on_rim(self._equations, released(problem))
 
     def _recorder(self, problem: Problem, fall: float) -> ExtremumRecorder:
         return ExtremumRecorder(problem, fall=fall)
@@ -105,16 +117,8 @@ class HybridIntegrator:
         return self._now.mode
 
     def run(self) -> Run:
-        """Integrate to the horizon or an ending."""
-        while not self.watch.ended():
-            if self._march():
-                continue
-            piece = self._step()
-            if piece is None:
-                self.watch.end(float(self._y[TIME]), self._stuck())
-                break
-            self._see(piece, self._events(piece))
-        path = self._path(self._pieces or [self._standing()])
+        """Integrate to the horizon or an ending, and sum up."""
+        path = self.follow()
         track = self.watch.track()
         there, seen = path.at(track.times), track.extrema
         extrema = States(
@@ -129,7 +133,7 @@ class HybridIntegrator:
             y=there.y,
             slip=there.slip,
             force=there.force,
-            depth=there.depth,
+            gap=there.gap,
             rise=there.rise,
         )
         tops = np.flatnonzero(track.maximum)
@@ -141,6 +145,23 @@ class HybridIntegrator:
             evaluations=self._evaluations,
             phases=path.phases(),
         )
+
+    @property
+    def reached(self) -> tuple[Floats, int]:
+        """Return the state that is reached, shape (13,), and the evaluations that it took."""
+        return self._y, self._evaluations
+
+    def follow(self) -> SegmentsPath:
+        """Integrate to the horizon or an ending."""
+        while not self.watch.ended():
+            if self._march():
+                continue
+            piece = self._step()
+            if piece is None:
+                self.watch.end(float(self._y[TIME]), self._stuck())
+                break
+            self._see(piece, self._events(piece))
+        return self._path(self._pieces or [self._standing()])
 
     def _path(self, pieces: list[Segment]) -> SegmentsPath:
         return SegmentsPath(pieces, self._equations, locus=self._locus)

@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reference.equations.contact_laws import Contact, Equations, Mode
-from reference.equations.state_vector import SLIP, TURN, U1, U2, W2, released
+from reference.equations.state_vector import SLIP, TURN, U1, U2, W2
 from reference.nonsmooth.level_spin import stands, with_level
 from reference.nonsmooth.radau_iia import integrator
 from reference.nonsmooth.slip_onset import (
@@ -37,7 +37,6 @@ from reference.nonsmooth.slip_onset import (
 )
 from reference.nonsmooth.stopping import at_rest
 from reference.problem.outcome import Outcome
-from reference.problem.problem import Problem
 from reference.problem.states import Floats
 
 # Rounds in which slip and rolling that begin together find their directions, each with the other's;
@@ -81,14 +80,9 @@ class ModeTransition:
         return column
 
 
-def begin_on_rim(
-    equations: Equations, problem: Problem, *, at: bool = True
-) -> tuple[Floats, ModeTransition]:
-    """Return the state at a release on the rim, shape (13,), and how its motion begins.
-
-    Without `at` the state does not say where the rim touches the plane.
-    """
-    y, mode = released(problem, at=at), Mode(slips=problem.slip != (0.0, 0.0))
+def begin_on_rim(equations: Equations, y: Floats) -> tuple[Floats, ModeTransition]:
+    """Return a state on the rim, shape (13,), with all held that rests, and how it goes on."""
+    mode = Mode(slips=bool(y[SLIP].any()))
     if equations.resistance and stands(y[:, None])[0]:
         y, mode = at_rest(y, mode)
     return y, begin(equations, y, mode)

@@ -153,6 +153,38 @@ class Gravity:
         return np.asarray(self.amplitude)[:, None] * wave
 
 
+IMPACT_LAWS = ("newton", "poisson")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Restitution:
+    """What an impact gives back (`reference.unilateral.impact`).
+
+    Parameters
+    ----------
+    coefficient : float
+        In [0, 1].
+    law : str
+        One of `IMPACT_LAWS`.
+
+    Raises
+    ------
+    EffectError
+        If the coefficient lies outside [0, 1], or there is no such law.
+    """
+
+    coefficient: float
+    law: str = "newton"
+
+    def __post_init__(self) -> None:
+        """Refuse an impact that makes energy, and an unknown law."""
+        require_numbers(EffectError, {"coefficient": self.coefficient}, NOT_NEGATIVE)
+        fits = self.coefficient <= 1
+        require(EffectError, "coefficient", self.coefficient, "at most 1", when=fits)
+        allowed = " or ".join(IMPACT_LAWS)
+        require(EffectError, "law", self.law, allowed, when=self.law in IMPACT_LAWS)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Effects:
     """The effects of a problem.
@@ -176,6 +208,9 @@ class Effects:
     mass : Mass or None
     compliance : Compliance or None
         How the contact gives way; None is a rigid contact.
+    restitution : Restitution or None
+        Of impacts; where it is declared, be it 0, the contact is unilateral: a rim that leaves the
+        plane flies, and lands.
 
     Raises
     ------
@@ -192,6 +227,7 @@ class Effects:
     gravity: Gravity = field(default_factory=Gravity)
     mass: Mass | None = None
     compliance: Compliance | None = None
+    restitution: Restitution | None = None
 
     def __post_init__(self) -> None:
         """Refuse what makes no sense."""
@@ -208,12 +244,16 @@ class Effects:
         require(EffectError, "mass", self.mass, "a Mass or None", when=fits)
         fits = self.compliance is None or isinstance(self.compliance, Compliance)
         require(EffectError, "compliance", self.compliance, "a Compliance or None", when=fits)
+        fits = self.restitution is None or isinstance(self.restitution, Restitution)
+        allowed = "a Restitution or None"
+        require(EffectError, "restitution", self.restitution, allowed, when=fits)
 
     def declared(self) -> tuple[str, ...]:
         """Return the names of the declared effects."""
         present = {
             "slip": self.mu is not None,
             "compliance": self.compliance is not None,
+            "restitution": self.restitution is not None,
             "drilling": self.drilling > 0,
             "rolling_resistance": self.rolling_resistance > 0,
             "damping": self.linear_damping > 0 or self.angular_damping > 0,

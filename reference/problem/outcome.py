@@ -9,6 +9,7 @@ class Outcome(Enum):
     FINISHED = "The solution reached the horizon it was asked for."
     OVERTURNED = "The can overturned: phi reached pi/2 and its side meets the plane."
     FELL_FLAT = "The can fell flat: the whole rim met the plane at once."
+    AT_REST = "The can came to rest: it lies flat on the plane."
     STEADY = (
         "The can rolls steadily or stands balanced: phi does not oscillate, so it never bounces."
     )

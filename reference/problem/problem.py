@@ -50,9 +50,10 @@ class Problem:
         Velocity of the rim's material at the contact, along (cos psi, sin psi) and (-sin psi, cos
         psi); it rests unless given, and slips only where friction is declared.
     height : float
-        Of the lowest point of the rim above the plane at the release, in R; above zero only where
-        a compliant contact is declared. At zero the rim is on the plane, and a compliant one as
-        deep in it as bears the normal force of a rigid contact.
+        Of the lowest point of the rim above the plane at the release, in R, not negative. In the
+        air, too, this point's material has the velocity `slip`, and none along the vertical. More
+        than zero only where restitution or a compliant contact is declared. At zero the rim is on
+        the plane, and a compliant one as deep in it as bears the normal force of a rigid contact.
 
     Raises
     ------
@@ -92,8 +93,9 @@ class Problem:
         fits = self.slip == (0.0, 0.0) or self.effects.mu is not None
         require(ProblemError, "slip", self.slip, "(0, 0) without declared friction", when=fits)
         require_numbers(ProblemError, {"height": self.height}, NOT_NEGATIVE)
-        fits = self.height == 0.0 or self.effects.compliance is not None
-        require(ProblemError, "height", self.height, "0 without a compliant contact", when=fits)
+        effects, allowed = self.effects, "0 without restitution or a compliant contact"
+        lands = effects.compliance is not None or effects.restitution is not None
+        require(ProblemError, "height", self.height, allowed, when=self.height == 0.0 or lands)
         if (self.bounces is None) == (self.duration is None):
             given, allowed = (
                 (self.bounces, self.duration),

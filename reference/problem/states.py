@@ -22,9 +22,10 @@ class States:
     middle of the can above (0, 0) at release; they are None unless the contact locus was asked for.
     `slip`, shape (n, 2), is the velocity of the rim's material at the contact, and `force`, shape
     (n, 3), what the plane exerts on the can, in m g, both in the world; they are None where the rim
-    never slips and the force follows from the angles (`reference.equations.reaction_force`).
-    `depth` is how deep the rim's lowest point is in the plane (negative above it), `rise` the
-    upward velocity of the rim's material there; they are None of a contact that is rigid.
+    never slips and the force follows from the angles (`reference.equations.reaction_force`). `gap`
+    is the height of the lowest point of the rim above the plane, negative in one that gives way,
+    and `rise` the upward velocity of the rim's material there; they are None of a model whose rim
+    stays on the plane.
     """
 
     phi: Floats
@@ -38,7 +39,7 @@ class States:
     y: Floats | None = None
     slip: Floats | None = None
     force: Floats | None = None
-    depth: Floats | None = None
+    gap: Floats | None = None
     rise: Floats | None = None
 
 
@@ -115,6 +116,6 @@ def select_states(states: States, index: slice | NDArray[np.intp] | NDArray[np.b
         y=None if states.y is None else states.y[index],
         slip=None if states.slip is None else states.slip[index],
         force=None if states.force is None else states.force[index],
-        depth=None if states.depth is None else states.depth[index],
+        gap=None if states.gap is None else states.gap[index],
         rise=None if states.rise is None else states.rise[index],
     )

@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from reference.equations.contact_laws import Phase
+from reference.equations.contact_laws import Impact, Phase
 from reference.equations.nonholonomic import nutation_acceleration, stands_still
 from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
@@ -139,6 +139,16 @@ class ExtremumRecorder:
             self.t_end = time
             self._outcome = outcome
 
+    def go_on(self) -> None:
+        """Take back an ending: the motion goes on by another law."""
+        self._outcome = None
+        self.t_end = np.inf if self._problem.duration is None else self._problem.duration
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """Return how the motion ended, None of one that has not."""
+        return self._outcome
+
     def track(self) -> Extrema:
         """Sum up.
 
@@ -201,6 +211,8 @@ class Run:
     peaks : ndarray, shape (2, bounces), or None
         Of each bounce the largest rate of precession, with its sign, and the largest friction
         ratio, where compiled code has measured them.
+    impacts : tuple of Impact
+        Of a can that leaves the plane, in order.
     """
 
     path: Path
@@ -209,3 +221,4 @@ class Run:
     evaluations: int
     phases: tuple[Phase, ...] = ()
     peaks: Floats | None = None
+    impacts: tuple[Impact, ...] = ()

@@ -9,7 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from reference import PAPER_CAN, PeriodicMotions, Problem, exact_bounces, solve
+from reference import (
+    PAPER_CAN,
+    Effects,
+    PeriodicMotions,
+    Problem,
+    Restitution,
+    exact_bounces,
+    solve,
+)
 from reference.numerics.compiled import available, path_taken
 from tests.benchmarks import heyoka_rows
 from tests.benchmarks.clock import Ratio, in_turns, seconds
@@ -21,6 +29,8 @@ _TURNS, _SHORT, _LONG = 5, 20, 3
 _TIGHT = 1e-12
 _SIDE = 400  # of the map
 _SEED = 20230222
+_DROPPED = 6.0  # in sqrt(R/g)
+_SHORT_REPEATS = 3
 _SCIPY_FASTER, _COMPILED_FASTER, _HEYOKA_SLOWER = 20.0, 100.0, 5.0
 """Claims: of the integrator over DOP853, of the compiled one, and of that one under heyoka."""
 
@@ -34,6 +44,7 @@ def reference_ratios() -> Iterator[Ratio]:
     if not heyoka_rows.missing():
         yield _integrator_against_heyoka()
     yield _sign_map()
+    yield _bounces_of_a_dropped_can()
 
 
 def _releases(count: int) -> dict[str, np.ndarray]:
@@ -170,4 +181,29 @@ def _sign_map() -> Ratio:
         first_s=taken,
         second_s=limit,
         note="",
+    )
+
+
+def _bounces_of_a_dropped_can() -> Ratio:
+    """Time a can that is dropped on its rim, with friction, for each hundred of its impacts."""
+    effects = Effects(mu=0.5, restitution=Restitution(coefficient=0.85))
+    release = Problem(
+        parameters=PAPER_CAN,
+        phi=0.4,
+        psi_dot=0.3,
+        theta_dot=-0.2,
+        height=0.02,
+        duration=_DROPPED,
+        effects=effects,
+    )
+    count = len(solve(release).impacts)
+    taken = min(seconds(lambda: solve(release)) for _ in range(_SHORT_REPEATS)) * 100 / count
+    return Ratio(
+        what="a hundred bounces of a dropped can with friction against one second",
+        ratio=1.0 / taken,
+        claim="under 1 s on one core",
+        holds=taken < 1.0,
+        first_s=taken,
+        second_s=1.0,
+        note=f"{count} impacts, up to the end of their infinite sequence and beyond",
     )

@@ -117,7 +117,7 @@ def test_a_small_benchmark_measures_every_claim(benchmark: Benchmark) -> None:
     # three whole jobs; of the engine two loops, a batch, adaptive steps; over heyoka the exact
     # bounce at two tolerances and the integrator
     rivals = 0 if heyoka_rows.missing() else 3
-    assert len(ratios) == 14 + rivals
+    assert len(ratios) == 15 + rivals
     assert sum("heyoka" in row["what"] for row in ratios) == rivals
     assert [(one["who"], one["scene"]) for one in lean_ones] == [
         ("mujoco", "gentle-rock"),

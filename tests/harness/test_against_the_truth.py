@@ -35,7 +35,8 @@ DEAR = {"cusps", "shaken-plane", "off-centre-mass"}
 CATALOGUE = [
     pytest.param(name, marks=pytest.mark.slow) if name in DEAR else name
     for name in names()
-    if name != "chaotic-can"
+    # where an extremum of phi is an impact, a record read by splines does not meet it to round-off
+    if name not in {"chaotic-can", "dropped-can", "falls-flat", "thrown-up"}
 ]
 
 

@@ -17,7 +17,7 @@ from harness.core.errors import (
 )
 from harness.evaluation.run_cases import run_cases
 from harness.execution.isolated_pool import SerialExecutor, local_executor
-from models import Effects, Horizon, Restitution, Scene
+from models import Compliance, Effects, Horizon, Scene
 
 if TYPE_CHECKING:
     from harness.evaluation.evaluation import Evaluation
@@ -77,7 +77,7 @@ def test_no_case_is_no_result() -> None:
 
 def wrong(brief: Scene) -> Sequence[tuple[Case, type[HarnessError]]]:
     """Return cases that are wrong use, with what they raise."""
-    bouncy = replace(brief, effects=Effects(restitution=Restitution(coefficient=0.5)))
+    bouncy = replace(brief, effects=Effects(compliance=Compliance(stiffness=1e4)))
     return (
         (Case(scene=brief, engine="ode"), UnknownEngineError),
         (Case(scene=bouncy, engine="reference"), UnsupportedEffectError),

@@ -25,9 +25,12 @@ PANELS = ("paper-release", "petals", "wobble", "cusps")  # a, b, c, d of fig01:c
 
 WITH_EFFECTS = {
     "chaotic-can": ("shake", "point_mass"),
+    "dropped-can": ("slip", "restitution"),
+    "falls-flat": ("restitution",),
     "off-centre-mass": ("point_mass",),
     "shaken-plane": ("shake",),
     "slipping-rock": ("slip",),
+    "thrown-up": ("slip", "restitution", "shake"),
     "tilted-plane": ("tilt",),
 }
 
@@ -36,6 +39,8 @@ def test_the_catalogue_has_the_scenes_it_promises() -> None:
     assert names() == (
         "chaotic-can",
         "cusps",
+        "dropped-can",
+        "falls-flat",
         "gentle-rock",
         "off-centre-mass",
         "paper-release",
@@ -44,6 +49,7 @@ def test_the_catalogue_has_the_scenes_it_promises() -> None:
         "slipping-rock",
         "steady-rolling",
         "straight-rolling",
+        "thrown-up",
         "tilted-plane",
         "wobble",
     )

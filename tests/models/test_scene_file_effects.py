@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from models import SceneFileError, read_scene
+from models import SceneFileError, read_scene, write_scene
 
 GOOD = """\
 name = "a-scene"
@@ -138,6 +138,16 @@ bounces = 1
         ),
         (
             "[horizon]",
+            '[effects]\nrestitution = { coefficient = 0.5, law = "stronge" }\n[horizon]',
+            ("key 'effects.restitution.law' is 'stronge', but must be 'newton' or 'poisson'"),
+        ),
+        (
+            "[horizon]",
+            "[effects]\nrestitution = { coefficient = 0.5, law = 1 }\n[horizon]",
+            "key 'effects.restitution.law' is 1, but must be a string",
+        ),
+        (
+            "[horizon]",
             "[effects]\nslip = {}\n[horizon]",
             "key 'effects.slip.mu' is missing; it must be a number",
         ),
@@ -161,3 +171,14 @@ def test_each_wrong_effect_has_its_sentence(
     with pytest.raises(SceneFileError) as caught:
         read_scene(path)
     assert str(caught.value) == f"scene file '{path}': {expected}"
+
+
+def test_a_law_of_restitution_is_kept_and_its_default_leaves_the_digest(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    declared = '[effects]\nrestitution = { coefficient = 0.5, law = "%s" }\n[horizon]'
+    path.write_text(GOOD.replace("[horizon]", declared % "poisson"))
+    scene = read_scene(path)
+    path.write_text(write_scene(scene))
+    assert read_scene(path) == scene
+    path.write_text(GOOD.replace("[horizon]", declared % "newton"))
+    assert read_scene(path).to_dict()["effects"] == {"restitution": {"coefficient": 0.5}}

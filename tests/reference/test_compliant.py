@@ -57,9 +57,9 @@ def dropped(law: Compliance) -> tuple[Solution, Phase]:
 
 
 def deepest(found: Solution, contact: Phase) -> float:
-    depth = found.at(np.linspace(contact.start, contact.end, 4001)).depth
-    assert depth is not None
-    return float(depth.max())
+    gap = found.at(np.linspace(contact.start, contact.end, 4001)).gap
+    assert gap is not None
+    return float(-gap.min())
 
 
 def energies(found: Solution) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
@@ -113,10 +113,10 @@ def test_a_damper_takes_what_a_damped_swing_loses() -> None:
     # the contact ends where its force does, which is before the rim is out of the plane
     ends = scipy.optimize.brentq(force, 1.0 / rate, math.pi / rate, xtol=1e-16)
     assert contact.end - contact.start == pytest.approx(ends, rel=1e-11)
-    at_end = found.at(contact.end).depth
+    at_end = found.at(contact.end).gap
     assert at_end is not None
-    assert at_end[0] == pytest.approx(depth(ends), rel=1e-10)
-    assert at_end[0] > 0
+    assert -at_end[0] == pytest.approx(depth(ends), rel=1e-10)
+    assert at_end[0] < 0
 
 
 def test_a_drop_on_hertz_is_what_its_energy_says() -> None:

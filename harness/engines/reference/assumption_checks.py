@@ -79,7 +79,9 @@ def divergence_of(scene: Scene) -> Divergence | None:
     if refusal(scene) or not may_be_chaotic(scene):
         return None
     solution = truth(scene).solution
-    if solution.outcome is Outcome.OUTWORKED or solution.t_end == 0.0:
+    ends = solution.outcome is Outcome.OUTWORKED or solution.t_end == 0.0
+    # of impacts, which part neighbours by their times, there are no equations of variation
+    if ends or solution.problem.effects.restitution is not None:
         return None
     T, growing = natural_time(scene), divergence(problem(scene), solution)
     return Divergence(

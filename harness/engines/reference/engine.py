@@ -95,6 +95,8 @@ def _ending(solution: Solution) -> tuple[Outcome, str]:
     """Return how a solution ended, in the harness's terms and in the reference's words."""
     if solution.outcome is Ending.FINISHED:
         return Outcome.FINISHED, solution.caveat
+    if solution.outcome is Ending.AT_REST:
+        return Outcome.FINISHED, solution.outcome.value
     if solution.outcome is Ending.OVERTURNED:
         return Outcome.OVERTURNED, solution.outcome.value
     return Outcome.NO_SOLUTION, solution.outcome.value

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from harness.core.simulation import Outcome
 from harness.engines.stepping.horizon import natural_time
 from harness.engines.world import Floats
+from models.contact_effects import Restitution as ImpactLaw
 from models.scene import Scene
 from reference import (
     Compliance,
@@ -22,6 +23,7 @@ from reference import (
     Mass,
     Parameters,
     Problem,
+    Restitution,
     carries,
     exact_bounces,
 )
@@ -35,6 +37,7 @@ HONOURS = frozenset(
     {
         "slip",
         "compliance",
+        "restitution",
         "drilling",
         "rolling_resistance",
         "damping",
@@ -50,22 +53,13 @@ _RATES = ("phi_dot", "psi_dot", "theta_dot")
 
 BEYOND_DOUBLES = "Its numbers are beyond what a double holds."
 
-_BEYOND = {
-    "restitution": "The reference stays on the plane: it knows no impact that gives anything back.",
-}
-
 
 def refusal(scene: Scene) -> str:
-    """Return in a sentence why a scene has no motion on its rim; nothing if it has one."""
+    """Return in a sentence why a scene has no exact motion; nothing if it has one."""
     if scene.gravity == 0.0:
         return "Without gravity nothing holds the can to the plane, so it does not roll."
-    if scene.release.height > 0.0 and scene.effects.compliance is None:
-        return "The can is released above the plane, and rolling says nothing of its landing."
     if scene.release.height < 0.0:
         return "The can is released inside the plane: at height 0 a soft contact bears the can."
-    for name, sentence in _BEYOND.items():
-        if name in scene.effects.declared():
-            return sentence
     scales = {"phi": 1.0, **dict.fromkeys(_RATES, natural_time(scene))}
     numbers = {
         name: np.array(scale * getattr(scene.release, name)) for name, scale in scales.items()
@@ -95,7 +89,8 @@ def problem(scene: Scene, seconds: float | None = None) -> Problem:
 
 def carried(scene: Scene, model: str) -> bool:
     """Whether a model knows all the effects of a scene."""
-    return not scene.effects.declared() or carries(model, problem(scene))
+    posed = problem(scene)
+    return not posed.effects.declared() or carries(model, posed)
 
 
 def effects(scene: Scene) -> Effects:
@@ -103,6 +98,10 @@ def effects(scene: Scene) -> Effects:
     declared, T, R = scene.effects, natural_time(scene), scene.can.radius
     slip, drilling, resistance = declared.slip, declared.drilling, declared.rolling_resistance
     damping, rim, point = declared.damping, declared.rim, declared.point_mass
+    rebound = declared.restitution
+    if rebound is None and declared.compliance is None and scene.release.height > 0.0:
+        # what is dropped lands; unless declared, without giving anything back
+        rebound = ImpactLaw(coefficient=0.0)
     return Effects(
         mu=None if slip is None else slip.mu,
         drilling=0.0 if drilling is None else drilling.length / R,
@@ -115,6 +114,9 @@ def effects(scene: Scene) -> Effects:
         if point is None
         else Mass(share=point.mass / scene.can.mass, x=point.x / R, y=point.y / R, z=point.z / R),
         compliance=_compliance(scene),
+        restitution=None
+        if rebound is None
+        else Restitution(coefficient=rebound.coefficient, law=rebound.law),
     )
 
 

@@ -68,6 +68,7 @@ MODEL = {
     "method",
     "agreement",
     "phases",
+    "impacts",
     "guard",
     "findings",
     "divergence",

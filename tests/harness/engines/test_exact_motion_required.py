@@ -17,6 +17,7 @@ from models import Compliance, Effects, Horizon, Restitution, Scene, Slip, Tilt,
         Effects(),
         Effects(slip=Slip(mu=0.3)),
         Effects(compliance=Compliance(stiffness=1e4, exponent=1.5)),
+        Effects(restitution=Restitution(coefficient=0.5)),
     ],
 )
 def test_what_the_reference_carries_is_accepted(brief: Scene, effects: Effects) -> None:
@@ -25,9 +26,8 @@ def test_what_the_reference_carries_is_accepted(brief: Scene, effects: Effects) 
 
 def test_what_it_does_not_is_refused(brief: Scene) -> None:
     beyond = (
-        replace(brief, effects=Effects(restitution=Restitution(coefficient=0.5))),
         replace(brief, gravity=0.0),
-        replace(brief, release=replace(brief.release, height=1e-3)),
+        replace(brief, release=replace(brief.release, height=-1e-3)),
     )
     for scene in beyond:
         with pytest.raises(InvalidSettingError) as caught:

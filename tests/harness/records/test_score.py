@@ -22,7 +22,10 @@ from models.scene import Horizon
 from tests.harness.records.written import EVERY, frame_of, saved
 from tests.support.command_line import Command
 
-EXACT = [name for name in names() if not refusal(load(name))]
+# where an extremum of phi is an impact, a record read by splines does not meet it to round-off
+EXACT = [
+    name for name in names() if not refusal(load(name)) and load(name).effects.restitution is None
+]
 
 
 @pytest.fixture

@@ -1,0 +1,1 @@
+"""Contact that is lost and found again: flight, impact, landing flat, and rest."""

@@ -1,0 +1,397 @@
+"""The motion of a can whose contact is unilateral: rolling, sliding, flight, impact, and rest.
+
+On the rim it follows the equations of `reference.nonsmooth`; where the normal force falls to zero
+it flies (`reference.unilateral.flight`), and where a rim meets the plane an impact
+(`reference.unilateral.impact`) decides how it goes on. An infinite sequence of impacts in a finite
+time (Zeno's) is followed one by one until what is left of it is shorter than the square root of
+round-off: then one impact without restitution and the motion on the rim after it differ from the
+sequence by the square of that time, which is round-off.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import scipy
+
+from reference.equations.compiled_equations import CompiledEquations
+from reference.equations.contact_laws import Equations, Impact, Kind, Mode, Phase
+from reference.equations.coulomb import CoulombEquations
+from reference.equations.frames import to_body, to_level
+from reference.equations.newton_euler import GeneralEquations
+from reference.equations.state_vector import (
+    DISSIPATED,
+    LEAN,
+    SLIP,
+    TIME,
+    TURN,
+    U2,
+    W1,
+    W2,
+    W3,
+    Angles,
+    released,
+    snapshot_of,
+)
+from reference.nonsmooth.hybrid_integrator import MOST_WORK, HybridIntegrator
+from reference.nonsmooth.segments import SegmentsPath
+from reference.problem.effects import Restitution
+from reference.problem.outcome import Outcome
+from reference.problem.problem import Problem
+from reference.problem.states import Floats
+from reference.smooth.extrema import ExtremumRecorder, Run
+from reference.unilateral.flight import Flight
+from reference.unilateral.free_body import (
+    Body,
+    launch_of,
+    moves_in_a_plane,
+    on_rim,
+    other_side,
+    rise_of_other_side,
+    rising,
+)
+from reference.unilateral.impact import Collision, collide
+from reference.unilateral.next_contact import NODES, margin, next_contact
+from reference.unilateral.path import FlightPath, UnilateralPath
+
+# What is left of a sequence of impacts, in units of the fastest rate: its square is round-off.
+ENDLESS = 1e-8
+# The same of a can that rocks on its face without slipping, whose rocking times are a geometric
+# sequence but for their third powers.
+ENDLESS_ROCKING = 5e-6
+# Square of the velocities, and height over R, below which a can lies on its face: its flights are
+# shorter than 1e-6, and their heights near round-off.
+RATTLES = 1e-13
+# What lies on its face and slides or turns no faster is at rest, as exact as its rattling is.
+SLIDES = 1e-6
+# Of the velocities: a normal velocity below this share is round-off.
+STILL = 1e-15
+JAMS = frozenset({Outcome.JAMMED, Outcome.INCONSISTENT})
+
+
+@dataclass(slots=True, eq=False)
+class UnilateralMotion:
+    """Follows one problem from its release to its horizon or ending.
+
+    Attributes
+    ----------
+    problem : Problem
+    compiled : bool
+        Whether compiled code integrates the motion on the rim: as asked for, but for a can that
+        slides in a plane.
+    impacts : list of Impact
+        So far.
+    """
+
+    problem: Problem
+    compiled: bool = False
+    impacts: list[Impact] = field(default_factory=list)
+    _parts: list[SegmentsPath | FlightPath] = field(default_factory=list)
+    _starts: list[float] = field(default_factory=list)
+    _phases: list[Phase] = field(default_factory=list)
+    _evaluations: int = 0
+    _steps: int = 0
+    _watch: ExtremumRecorder = field(init=False)
+    _body: Body = field(init=False)
+    _general: GeneralEquations = field(init=False)
+    _equations: Equations = field(init=False)
+    _law: Restitution = field(init=False)
+    _planar: bool = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Choose the equations of the rim."""
+        p, e = self.problem.parameters, self.problem.effects
+        self._planar = moves_in_a_plane(self.problem)
+        self._law = e.restitution or Restitution(coefficient=0.0)
+        self._body = Body.of(p, e)
+        self._general = GeneralEquations(parameters=p, effects=e)
+        plain: Equations = self._general
+        if set(e.declared()) <= {"slip", "restitution"}:
+            mu = np.inf if e.mu is None else e.mu
+            plain = CoulombEquations(parameters=p, mu=mu, only_pushes=True)
+        if self._planar and e.mu:
+            # compiled sums of the general can leave a slip in the plane a round-off beside it
+            self.compiled = False
+        self._equations = CompiledEquations.of(plain, self.problem) if self.compiled else plain
+
+    def run(self) -> Run:
+        """Follow the motion, and sum up."""
+        y = released(self.problem)
+        if self.problem.height > 0:
+            self._watch = ExtremumRecorder(self.problem, fall=self._fall(y))
+            arrived = self._fly(y, 0.0, gap=self.problem.height)
+        else:
+            arrived = self._roll(y, new=True)
+        while not self._watch.ended() and arrived is not None:
+            if self._evaluations > MOST_WORK:
+                self._watch.end(float(arrived[TIME]), Outcome.OUTWORKED)
+                break
+            arrived = self._roll(arrived)
+        path = UnilateralPath(self._parts, self._starts)
+        track = self._watch.track()
+        there = path.at(track.times)
+        extrema = replace(
+            track.extrema,
+            x=there.x,
+            y=there.y,
+            slip=there.slip,
+            force=there.force,
+            gap=there.gap,
+            rise=there.rise,
+        )
+        return Run(
+            path=path,
+            track=replace(track, extrema=extrema),
+            steps=self._steps,
+            evaluations=self._evaluations,
+            phases=tuple(self._phases),
+            impacts=tuple(self.impacts),
+        )
+
+    def _fall(self, y: Floats) -> float:
+        """Return phi'' of the release into the air."""
+        launch = launch_of(y, self._body)
+        there = Flight(self._body, launch).at(np.zeros(1))
+        level = to_level(y[TURN, None], Angles.of(y[LEAN, None]))[:, 0]
+        cos, sin = np.cos(launch.psi), np.sin(launch.psi)
+        slope = there.turning_rate[0] @ np.array([-sin, cos, 0.0])
+        return float(self.problem.psi_dot * level[0] - slope)
+
+    def _add(self, part: SegmentsPath | FlightPath, start: float, phases: Sequence[Phase]) -> None:
+        """Append a part of the path."""
+        self._parts.append(part)
+        self._starts.append(start)
+        for phase in phases:
+            if self._phases and self._phases[-1].kind is phase.kind:
+                self._phases[-1] = replace(self._phases[-1], end=phase.end)
+            else:
+                self._phases.append(phase)
+
+    def _roll(self, y: Floats, *, new: bool = False) -> Floats | None:
+        """Follow the rim on the plane; return where it goes on after what ends that, if it does."""
+        integrator = self._integrator(y, None if new else self._watch)
+        path = integrator.follow()
+        self._watch = integrator.watch
+        state, evaluations = integrator.reached
+        self._evaluations += evaluations
+        self._steps += len(path.pieces)
+        self._add(path, float(y[TIME]), path.phases())
+        y, outcome = state, self._watch.outcome
+        if outcome is Outcome.LIFTED:
+            return self._lift(y)
+        if outcome is Outcome.FELL_FLAT:
+            self._watch.go_on()
+            return self._land_flat(y)
+        if outcome in JAMS and y[SLIP].any():
+            self._watch.go_on()
+            return self._hit(y, 0.0, jams=True)
+        return None
+
+    def _integrator(self, start: Floats, watch: ExtremumRecorder | None) -> HybridIntegrator:
+        """Return what follows the rim on the plane from a state."""
+        problem, own = self.problem, self._equations
+        if isinstance(own, CompiledEquations):
+            from reference.nonsmooth.compiled_integrator import CompiledIntegrator
+
+            return CompiledIntegrator(problem, own, locus=True, start=start, watch=watch)
+        return HybridIntegrator(problem, own, locus=True, start=start, watch=watch)
+
+    def _lift(self, y: Floats) -> Floats | None:
+        """Leave the plane, if the rim is free to."""
+        self._watch.go_on()
+        if self._acceleration(y, 0.0) < -STILL * 1e3 and np.isinf(self._equations.mu):
+            # a rim that cannot slip is held by friction where nothing presses it to the plane
+            self._watch.end(float(y[TIME]), Outcome.INCONSISTENT)
+            return None
+        return self._fly(y, 0.0, lifted=True)
+
+    def _fly(
+        self, y: Floats, rise: float, *, gap: float = 0.0, lifted: bool = False
+    ) -> Floats | None:
+        """Follow a flight to its landing."""
+        launch = launch_of(y, self._body, rise=rise, gap=gap)
+        flight = Flight(self._body, launch)
+        most = self._watch.t_end - launch.time
+        met = next_contact(flight, most, lifted=lifted)
+        duration = most if met is None else met.after
+        path = FlightPath(flight, duration, locus=True)
+        cut = self._extrema(path)
+        if cut is not None:
+            path = FlightPath(flight, cut, locus=True)
+        self._evaluations += NODES * (1 + int(path.duration * flight.rates()))
+        self._steps += 1
+        phase = Phase(kind=Kind.FLIGHT, start=launch.time, end=path.t_end)
+        self._add(path, launch.time, [phase])
+        if met is None:
+            self._watch.end(path.t_end, Outcome.FINISHED)
+        elif not met.lower:
+            self._watch.end(path.t_end, Outcome.OVERTURNED)
+        if self._watch.ended():
+            return None
+        self._watch.advance(path.t_end, path.snapshot(path.duration).phi)
+        if self._watch.ended():
+            return None
+        landing = path.landing()
+        there = on_rim(landing, self._body)
+        if self._planar:
+            there[[W1, W3, U2]] = 0.0
+        return self._hit(there, min(rising(landing, self._body), 0.0))
+
+    def _extrema(self, path: FlightPath) -> float | None:
+        """Report the extrema of phi in a flight; return when the motion ends at one."""
+        times, states = path.nodes()
+        slopes = states.phi_dot
+        for i in np.flatnonzero(np.sign(slopes[:-1]) * np.sign(slopes[1:]) < 0).tolist():
+            after = float(
+                scipy.optimize.brentq(
+                    lambda s: float(path.at(np.array([path.start + s])).phi_dot[0]),
+                    times[i] - path.start,
+                    times[i + 1] - path.start,
+                    xtol=1e-15,
+                    rtol=1e-15,
+                )
+            )
+            maximum = bool(slopes[i] > 0)
+            self._watch.extremum(path.start + after, path.snapshot(after), maximum=maximum)
+            if self._watch.ended():
+                return after
+        return None
+
+    def _acceleration(self, y: Floats, rise: float) -> float:
+        """Return the vertical acceleration of the gap of a rim without a force of the plane."""
+        flight = Flight(self._body, launch_of(y, self._body, rise=rise))
+        bend = float(margin(flight, flight.at(np.zeros(1)))[2][0])
+        r, at = self._body.effects.rim, Angles.of(y[LEAN])
+        if r == 1.0:
+            return bend
+        S, falling = (1 - r) * float(at.S), -(1 - r) * float(at.C * y[W2])
+        return (bend - 2 * rise * (rise + 2 * falling)) / (2 * S)
+
+    def _struck(
+        self, y: Floats, rise: float, e: float, *, jams: bool = False
+    ) -> tuple[Floats, Collision]:
+        """Return a state after an impact, and the impact."""
+        D = self._general.mobility(y)
+        before = np.array([*y[SLIP], rise])
+        mu = self._equations.mu
+        struck = collide(D[3:, 3:], before, mu, e, self._law.law, jams=jams)
+        after = y.copy()
+        after[TURN] += to_body(D[:3, 3:] @ struck.impulse, Angles.of(y[LEAN]))
+        after[SLIP] = struck.velocity[:2]
+        after[DISSIPATED] += struck.energy_lost
+        if self._planar:
+            # round-off would turn the can, whose axis then passes the vertical instead of falling
+            # flat
+            after[[W1, W3, U2]] = 0.0
+        return after, struck
+
+    def _hit(self, y: Floats, rise: float, *, jams: bool = False) -> Floats | None:
+        """Take an impact of the lower rim, and go on after it."""
+        if rise == 0.0 and not jams:
+            return y
+        after, struck = self._struck(y, rise, self._law.coefficient, jams=jams)
+        ends = None if jams else self._ends(after, rise, float(struck.velocity[2]))
+        if ends is not None:
+            after, struck = self._struck(y, rise, 0.0)
+        self._record(y, rise, struck, ends)
+        self._turned(y, after)
+        up = float(struck.velocity[2])
+        if self._watch.ended():
+            return None
+        if self._lies(after, up):
+            self._rest(after, 2 * abs(rise))
+            return None
+        if up > STILL * abs(rise):
+            return self._fly(after, up)
+        return after
+
+    def _record(self, y: Floats, rise: float, struck: Collision, ends: float | None = None) -> None:
+        """Append an impact to those of the motion."""
+        up = float(struck.velocity[2])
+        self.impacts.append(
+            Impact(
+                time=float(y[TIME]),
+                normal_impulse=float(struck.impulse[2]),
+                restitution=-up / rise if rise < 0 else 0.0,
+                energy_lost=struck.energy_lost,
+                law=struck.law,
+                made_energy=struck.made_energy,
+                ends_at=ends,
+            )
+        )
+
+    def _turned(self, before: Floats, after: Floats) -> None:
+        """Report an extremum of phi at an impact."""
+        one, other = float(before[W2]), float(after[W2])
+        if one * other < 0:
+            self._watch.extremum(float(after[TIME]), snapshot_of(after), maximum=one < 0)
+
+    def _ends(self, after: Floats, rise: float, up: float) -> float | None:
+        """Return when the sequence of impacts ends, if that is at once but for round-off."""
+        ratio = up / -rise
+        if up <= 0.0 or ratio >= 1.0:
+            return None
+        falls = -self._acceleration(after, up)
+        if falls <= 0.0:
+            return None
+        left = 2 * up / falls / (1 - ratio)
+        rate = (
+            1 + float(np.abs(after[TURN]).max()) + abs(float(after[W1] / Angles.of(after[LEAN]).S))
+        )
+        return float(after[TIME]) + left if left * rate < ENDLESS else None
+
+    def _land_flat(self, y: Floats) -> Floats | None:
+        """Take the impacts of a can that meets the plane with its whole face.
+
+        The point opposite to the contact hits first. Where the can is so flat that this drives the
+        contact into the plane, that is hit in turn, and so on; the limit of these impacts, all at
+        one instant, is the state from which the can goes on.
+        """
+        rise, there = 0.0, rise_of_other_side(y, 0.0, self._body)
+        falling, before = abs(there), y
+        while there < -STILL * falling:
+            y = other_side(y, self._body)
+            after, struck = self._struck(y, there, self._law.coefficient)
+            self._record(y, there, struck)
+            y, rise = after, float(struck.velocity[2])
+            there = rise_of_other_side(y, rise, self._body)
+        self._watch.extremum(float(y[TIME]), snapshot_of(before), maximum=False)
+        if self._watch.ended():
+            return None
+        left = self._left_flat(y, rise, max(rise, there), falling)
+        if rise > STILL * falling and self._lies(y, max(rise, there)):
+            self._rest(y, left if left < np.inf else 0.0)
+            return None
+        rolls = rise <= STILL * falling and not y[SLIP].any() and not before[SLIP].any()
+        if left < (ENDLESS_ROCKING if rolls else ENDLESS):
+            self._rest(y, left)
+            return None
+        if rise > STILL * falling and there > STILL * falling:
+            return self._fly(y, rise)
+        return other_side(y, self._body) if rise > there else y
+
+    def _lies(self, y: Floats, up: float) -> bool:
+        """Return whether a can lies on its face but for what it rattles there by round-off."""
+        at = Angles.of(y[LEAN])
+        level = to_level(y[TURN, None], Angles.of(y[LEAN, None]))[:2, 0]
+        return bool(float(at.S) + up * up + float(level @ level) < RATTLES)
+
+    def _left_flat(self, y: Floats, rise: float, fastest: float, falling: float) -> float:
+        """Return how long a can goes on that rocks from side to side of its face, ever less."""
+        if fastest <= STILL * falling:
+            return 0.0
+        ratio = fastest / falling
+        if ratio >= 1.0:
+            return np.inf
+        falls = 1.0
+        if rise <= STILL * falling:
+            mode = Mode(slips=bool(y[SLIP].any()))
+            rates = self._general.rates(y[:, None], mode)[:, 0]
+            falls = 2 * (1 - self._body.effects.rim) * float(rates[W2] / rates[TIME])
+        return 2 * fastest / falls / (1 - ratio) if falls > 0 else np.inf
+
+    def _rest(self, y: Floats, left: float) -> None:
+        """End a motion that lies flat: at rest, unless it slides or turns on its face."""
+        moves = max(float(np.abs(y[SLIP]).max()), abs(float(y[W3]))) > SLIDES
+        outcome = Outcome.FELL_FLAT if moves else Outcome.AT_REST
+        self._watch.end(min(float(y[TIME]) + left, self._watch.t_end), outcome)

@@ -1,0 +1,101 @@
+"""Random cans with random effects that leave the plane and land: none fails, and none makes energy.
+
+Ten of each kind run always; a thousand are slow.
+"""
+
+from math import cos, pi, sin
+
+import numpy as np
+import pytest
+
+from reference import Effects, Gravity, Mass, Outcome, Parameters, Problem, Restitution, solve
+
+# Of the weight: what a force may fall short of zero by where a root of it is found.
+ROUNDED = 1e-9
+CAME_OUT = {
+    Outcome.FINISHED,
+    Outcome.OVERTURNED,
+    Outcome.AT_REST,
+    Outcome.FELL_FLAT,
+    Outcome.INCONSISTENT,
+    Outcome.INDETERMINATE,
+}
+
+
+def drawn(seed: int) -> Problem:
+    """Return a random problem with restitution."""
+    numbers = np.random.default_rng(seed)
+
+    def one(low: float, high: float) -> float:
+        return float(numbers.uniform(low, high))
+
+    def often(share: float) -> bool:
+        return bool(numbers.random() < share)
+
+    h, a = one(0.1, 2.0), one(0.3, 1.0)
+    mu = (None, 0.0, one(0.02, 1.5))[int(numbers.integers(3))]
+    tilt, way = one(0.0, 0.2) * often(0.2), one(0, 2 * pi)
+    down = (sin(tilt) * cos(way), sin(tilt) * sin(way), -cos(tilt))
+    shakes = float(often(0.2))
+    shaken = (shakes * one(-1, 1), shakes * one(-1, 1), shakes * one(-1, 1))
+    mass = Mass(share=one(0.05, 0.5), x=one(-0.5, 0.5), y=one(-0.5, 0.5), z=one(-0.5, 0.5) * h)
+    return Problem(
+        parameters=Parameters(a=a, c=one(0.2, 1.2) * a, h=h),
+        phi=one(0.05, 1.3),
+        psi=one(0, 6),
+        theta=one(0, 6),
+        phi_dot=one(-0.8, 0.8),
+        psi_dot=one(-1.5, 1.5),
+        theta_dot=one(-1.5, 1.5),
+        height=one(0.0, 1.0) * often(0.6),
+        duration=3.0,
+        effects=Effects(
+            mu=mu,
+            drilling=one(0, 0.05) * bool(mu and often(0.2)),
+            rolling_resistance=one(0, 0.05) * bool(mu and often(0.2)),
+            linear_damping=one(0, 0.1) * often(0.3),
+            angular_damping=one(0, 0.1) * often(0.3),
+            rim=one(0.01, 0.09) * often(0.2),
+            gravity=Gravity(
+                constant=down,
+                amplitude=shaken,
+                rate=one(1, 6),
+                phase=one(0, 6),
+            ),
+            mass=mass if often(0.3) else None,
+            restitution=Restitution(
+                coefficient=(0.0, 1.0, one(0, 1))[int(numbers.integers(3))],
+                law=("newton", "poisson")[int(numbers.integers(2))],
+            ),
+        ),
+    )
+
+
+def check(seed: int) -> None:
+    """Solve a random problem and check what every motion must have."""
+    problem = drawn(seed)
+    solution = solve(problem, outputs=frozenset({"contact_locus"}))
+    assert solution.outcome in CAME_OUT, (seed, solution.outcome)
+    there = solution.at(np.linspace(0, solution.t_end, 200))
+    assert there.force is not None
+    assert there.gap is not None
+    force = there.force[:, 2]
+    if solution.outcome is Outcome.INCONSISTENT:
+        # it ends with the force that there would have to be
+        force = force[:-1] if solution.t_end > 0 else force[:0]
+    assert force.min(initial=0.0) >= -ROUNDED, seed
+    assert np.isfinite(there.phi).all(), seed
+    assert all(impact.energy_lost >= 0 for impact in solution.impacts), seed
+    assert all(impact.normal_impulse >= 0 for impact in solution.impacts), seed
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_random_scene_comes_out(seed: int) -> None:
+    check(seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tens", range(100))
+def test_a_thousand_random_scenes_come_out(tens: int) -> None:
+    for seed in range(1000 + 10 * tens, 1010 + 10 * tens):
+        check(seed)
