@@ -114,6 +114,7 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
             {
                 "slip",
                 "compliance",
+                "restitution",
                 "drilling",
                 "rolling_resistance",
                 "damping",
