@@ -10,7 +10,7 @@ from typing import ClassVar
 from models.errors import InvalidValueError
 from models.quantity import finite, not_negative, positive
 
-IMPACT_LAWS = ("newton", "poisson")
+NEWTON, POISSON = IMPACT_LAWS = ("newton", "poisson")
 """Laws of restitution."""
 
 
@@ -104,7 +104,7 @@ class Restitution:
     )
 
     coefficient: float
-    law: str = "newton"
+    law: str = NEWTON
 
     def __post_init__(self) -> None:
         """Refuse an impact that makes energy."""

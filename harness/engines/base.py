@@ -13,9 +13,11 @@ from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError, UnknownSettingError
 from harness.core.public_paths import warn_renamed
 from harness.core.simulation import Simulation
-from harness.engines.description import Description, Precision
+from harness.engines.description import IMPACT_LAW, Description, Precision
 from harness.engines.linearised import LinearisedMotion
 from harness.engines.world import World, renamed_words
+from models.contact_effects import NEWTON
+from models.effects import Effects
 
 if TYPE_CHECKING:
     from harness.engines.stepping.recording import Chunk
@@ -34,11 +36,22 @@ class Capabilities:
     least : mapping of str to float
         Constants of effects, such as "drilling.length", of which an engine makes a small one this
         large, SI units; none at all, where that is allowed, stays none.
+    constants : frozenset of str
+        Constants of effects that an engine takes other than their defaults, of those whose default
+        is the law that every engine has: "restitution.law".
     """
 
     honours: frozenset[str]
     imposes: Mapping[str, str]
     least: Mapping[str, float] = field(default_factory=dict)
+    constants: frozenset[str] = frozenset()
+
+    def lacking(self, effects: Effects) -> tuple[str, ...]:
+        """Return what is declared that the engine neither honours nor imposes."""
+        known, impact = self.honours | set(self.imposes), effects.restitution
+        other = impact is not None and impact.law != NEWTON and IMPACT_LAW not in self.constants
+        unknown = tuple(effect for effect in effects.declared() if effect not in known)
+        return unknown or ((IMPACT_LAW,) if other else ())
 
 
 @dataclass(frozen=True, slots=True)

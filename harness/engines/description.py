@@ -45,6 +45,9 @@ APART = (
 FLIGHT = "flight"
 """What a scene asks for that releases its can above the plane, as effects are named."""
 
+IMPACT_LAW = "restitution.law"
+"""What a scene asks for whose impacts follow another law than Newton's, as constants are named."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Description:

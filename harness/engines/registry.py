@@ -358,16 +358,15 @@ def missing_effects(name: str, scene: Scene) -> tuple[str, ...]:
     """Return the effects that a scene declares and an engine does not represent.
 
     It neither honours nor imposes them, or makes more of them than the scene declares. `FLIGHT` is
-    one of them where the can is released above the plane, and the engine holds it there.
+    one of them where the can is released above the plane, and the engine holds it there;
+    `IMPACT_LAW` where impacts follow another law than Newton's.
     """
     flies = scene.release.height > 0.0 and is_constraint(name)
-    unable, declared = (FLIGHT,) if flies else (), scene.effects.declared()
-    if not declared:
+    unable: tuple[str, ...] = (FLIGHT,) if flies else ()
+    if not scene.effects.declared():
         return unable
-    capabilities = engine(name).capabilities
-    faint = {key.partition(".")[0] for key, _, _ in _faint(name, scene)}
-    known = (capabilities.honours | set(capabilities.imposes)) - faint
-    return unable + tuple(effect for effect in declared if effect not in known)
+    faint = {key.partition(".")[0]: None for key, _, _ in _faint(name, scene)}
+    return (*unable, *dict.fromkeys((*engine(name).capabilities.lacking(scene.effects), *faint)))
 
 
 def _faint(name: str, scene: Scene) -> Iterator[tuple[str, float, float]]:
@@ -383,7 +382,8 @@ def _faint(name: str, scene: Scene) -> Iterator[tuple[str, float, float]]:
 def _honours(name: str, effect: str, scene: Scene) -> bool:
     """Whether an engine is there and simulates an effect as a scene declares it."""
     try:
-        honours = effect == FLIGHT or effect in engine(name).capabilities.honours
+        able = engine(name).capabilities
+        honours = effect == FLIGHT or effect in able.honours | able.constants
         return honours and effect not in missing_effects(name, scene)
     except MissingPackageError:
         return False

@@ -8,6 +8,7 @@ from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.core.simulation import Outcome, Simulation
 from harness.engines.base import Capabilities, resolve
+from harness.engines.description import IMPACT_LAW
 from harness.engines.reference.to_reference_problem import HONOURS, refusal
 from harness.engines.reference.truth import (
     SETTINGS,
@@ -28,7 +29,7 @@ class ReferenceEngine:
     settings = SETTINGS
     variants = VARIANTS
     tolerances = TOLERANCES
-    capabilities = Capabilities(honours=HONOURS, imposes={})
+    capabilities = Capabilities(honours=HONOURS, imposes={}, constants=frozenset({IMPACT_LAW}))
 
     @property
     def version(self) -> str:
