@@ -160,7 +160,7 @@ def angular_velocity(
 
 
 _ROUNDINGS = 4.0
-"""Of a sum of two products, relative to their size: of an angle, of its functions and of the sum."""
+"""Of a sum of two products, relative to their size: the angle, its functions and the sum."""
 
 
 def angle_rates(

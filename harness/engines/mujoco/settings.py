@@ -222,8 +222,8 @@ def rows_of(case: Case, timestep: float) -> ContactRows | None:
     """
     if {"solref", "solimp"}.intersection(dict(case.options)):
         return None
-    effects = case.scene.effects
-    if effects.compliance is effects.restitution is None and case.profile == "default":
+    declared = {"compliance", "restitution"}.intersection(case.scene.effects.declared())
+    if case.profile == "default" and not declared:
         return None
     return contact_rows(case.scene, timestep)
 
