@@ -118,7 +118,9 @@ def rubs(effects: Effects) -> bool:
     return turning or (effects.slip is not None and effects.slip.mu > 0.0)
 
 
-def contact_rows(scene: Scene, timestep: float | None = None) -> ContactRows | None:
+def contact_rows(
+    scene: Scene, timestep: float | None = None, largest: float | None = None
+) -> ContactRows | None:
     """Return the contact by which a scene's laws are followed, None where MuJoCo's own does.
 
     Parameters
@@ -126,12 +128,15 @@ def contact_rows(scene: Scene, timestep: float | None = None) -> ContactRows | N
     scene : Scene
     timestep : float, optional
         s; left out, `SHIPPED_TIMESTEP`, and only what the scene itself declares has a law.
+    largest : float, optional
+        s; where steps change, the longest: a depth of a long step, taken back by the share of a
+        short one, would throw the can off.
     """
     restitution, step = scene.effects.restitution, timestep or SHIPPED_TIMESTEP
     if restitution is not None:
         speed = HARDEST * (1.0 + restitution.coefficient - DEPTH_TAKEN / 2.0) / step
         return ContactRows(
-            solref=(-HARDEST * DEPTH_TAKEN / step**2, -speed),
+            solref=(-HARDEST * DEPTH_TAKEN / (largest or step) ** 2, -speed),
             solreffriction=(-1.0, -HARDEST / step),
             solimp=HARD_SOLIMP,
             impratio=HARD_IMPRATIO,

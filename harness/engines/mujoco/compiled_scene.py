@@ -130,7 +130,7 @@ class CompiledScene:
         if contact_sensors and not HAS_CONTACT_SENSORS:
             mujoco.set_mjcb_sensor(fill_contact_sensors)
         self._scene, self._shaken = case.scene, case.scene.effects.shake is not None
-        self._case, self._lawful = case, rows is not None
+        self._case, self._lawful, self._largest = case, rows is not None, timestep
         stiffest = case.profile != "default" and "solref" not in dict(case.options)
         self._tied = stiffest and not self._lawful
         damping = dof_damping(case.scene)
@@ -203,7 +203,7 @@ class CompiledScene:
             self.model.opt.timestep = timestep
             if self._tied:
                 self.model.geom_solref[:, :] = matched_solref(timestep)
-            rows = rows_of(self._case, timestep) if self._lawful else None
+            rows = rows_of(self._case, timestep, self._largest) if self._lawful else None
             if rows is not None:
                 self.model.pair_solref[0] = rows.solref
                 self.model.pair_solreffriction[0] = rows.solreffriction

@@ -214,18 +214,18 @@ def for_effects(case: Case, timestep: float) -> dict[str, Value]:
     return decided
 
 
-def rows_of(case: Case, timestep: float) -> ContactRows | None:
+def rows_of(case: Case, timestep: float, largest: float | None = None) -> ContactRows | None:
     """Return the contact of a case where it has a law of its own: see `models.mjcf_contact`.
 
     An option that says how stiff the contact is has the last word, and profile `default` ships
-    without a spring that the scene does not declare.
+    without a spring that the scene does not declare. Of steps that change, `largest` is the longest.
     """
     if {"solref", "solimp"}.intersection(dict(case.options)):
         return None
     declared = {"compliance", "restitution"}.intersection(case.scene.effects.declared())
     if case.profile == "default" and not declared:
         return None
-    return contact_rows(case.scene, timestep)
+    return contact_rows(case.scene, timestep, largest)
 
 
 def stages(chosen: Mapping[str, Value], effects: Effects) -> dict[str, str]:
