@@ -171,6 +171,40 @@ def effects() -> dict[str, str]:
     return {"table": markdown(("effect, strength", "exact", *ENGINES.values()), rows)}
 
 
+_REBOUND = re.compile(
+    r"rebound of a declared ([\d.]+)(?: at ([\d.]+) sqrt\(g R\)|, slipping through)"
+)
+
+
+def restitution() -> dict[str, str]:
+    """Return by how much rebounds miss a declared coefficient, by engine, speed and timestep."""
+    misses, largest = dict[str, list[str]](), dict[str, list[str]]()
+    heads = ["coefficient"]
+    for engine, label in ENGINES.items():
+        for name in (f"restitution-{engine}", f"restitution-{engine}-fine"):
+            printed = json.loads((BASELINE / name / "printed.json").read_text())
+            found = dict[str, list[float]]()
+            for finding in printed["findings"]:
+                told = _REBOUND.fullmatch(finding["quantity"])
+                if told is None:
+                    continue
+                miss = finding["value"] - finding["expected"]
+                how = f"{told[2]} sqrt(g R)" if told[2] else "slipping through"
+                found.setdefault(how, []).append(abs(miss))
+                if name == f"restitution-{engine}":
+                    misses.setdefault(told[1], [told[1]]).append(f"{miss:+.4f}")
+            if name == f"restitution-{engine}":
+                heads += [f"{label}, {how}" for how in found]
+            for sizes in found.values():
+                key = f"{label}, {printed['timestep_s']:g} s"
+                largest.setdefault(key, [key]).append(f"{max(sizes):.4f}")
+    hows = [head.partition(", ")[2] for head in heads[1 : 1 + len(found)]]
+    return {
+        "table": markdown(heads, misses.values()),
+        "largest": markdown(("engine, timestep", *hows), largest.values()),
+    }
+
+
 def rim() -> dict[str, str]:
     """Return of each collider from which tilt on it sees the rim, and where its contact is else."""
     rows = []
@@ -335,6 +369,7 @@ SOURCES: Mapping[str, Source] = {
         attribution,
         compliance,
         effects,
+        restitution,
         rim,
         cost,
         stability,

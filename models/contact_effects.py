@@ -13,7 +13,7 @@ from models.quantity import finite, not_negative, positive
 
 ADDED_LATER = MappingProxyType({"left out at its default": True})
 """Metadata of a constant that a law got later: scenes that leave it out keep their digest."""
-IMPACT_LAWS = ("newton", "poisson")
+NEWTON, POISSON = IMPACT_LAWS = ("newton", "poisson")
 """Laws of restitution."""
 
 
@@ -124,7 +124,7 @@ class Restitution:
     )
 
     coefficient: float
-    law: str = field(default="newton", metadata=ADDED_LATER)
+    law: str = field(default=NEWTON, metadata=ADDED_LATER)
 
     def __post_init__(self) -> None:
         """Refuse an impact that makes energy."""

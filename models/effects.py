@@ -102,6 +102,16 @@ class Effects:
         """Return the names of the effects that are present, in the order of the fields."""
         return tuple(field.name for field in fields(self) if getattr(self, field.name) is not None)
 
+    def demanded(self) -> tuple[str, ...]:
+        """Return the effects that are present, and constants that an engine may not know."""
+        return self.declared() + tuple(
+            f"{name}.{each.name}"
+            for name in self.declared()
+            for each in fields(getattr(self, name))
+            if each.metadata == ADDED_LATER
+            and getattr(getattr(self, name), each.name) != each.default
+        )
+
 
 KINDS: MappingProxyType[str, type[Any]] = MappingProxyType(
     {

@@ -171,6 +171,10 @@ def angular_velocity(
     )
 
 
+_ROUNDINGS = 4.0
+"""Of a sum of two products, relative to their size: the angle, its functions and the sum."""
+
+
 def angle_rates(
     phi: ArrayLike, psi: ArrayLike, angular_velocity: ArrayLike
 ) -> tuple[Floats, Floats, Floats]:
@@ -187,13 +191,16 @@ def angle_rates(
     -------
     phi_dot, psi_dot, theta_dot : ndarray, shape (...)
         rad/s. Where sin phi is zero, psi' and theta' have no meaning apart from their sum: there
-        psi' is zero and theta' is the whole spin.
+        psi' is zero and theta' is the whole spin. So it is where the part of the horizontal angular
+        velocity that they share is round-off of that of phi'.
     """
     phi, psi = np.asarray(phi, dtype=np.float64), np.asarray(psi, dtype=np.float64)
     omega_x, omega_y, omega_z = _components(angular_velocity)
     cos_psi, sin_psi = np.cos(psi), np.sin(psi)
     outwards = omega_x * cos_psi + omega_y * sin_psi
     sin, cos = np.sin(phi), np.cos(phi)
+    known = np.abs(outwards) > _ROUNDINGS * np.finfo(float).eps * np.hypot(omega_x, omega_y)
+    outwards = np.where(known, outwards, 0.0)
     tilted = sin != 0.0
     ratio = np.divide(outwards, sin, out=np.zeros(np.broadcast(outwards, sin).shape), where=tilted)
     phi_dot = omega_x * sin_psi - omega_y * cos_psi
@@ -289,6 +296,9 @@ def angles_of_record(
     more than a right angle between samples, by the chosen branch or by the rates, the record is
     too coarse to know and says so.
 
+    A can that moves in a plane and passes the flat state goes on over the opposite point of its
+    rim: psi changes by half a turn at once, with no sense of its own. By convention it grows.
+
     Parameters
     ----------
     can : Can
@@ -326,10 +336,13 @@ def angles_of_record(
     flipped = np.rint((sigma_unwrapped - sigma) / TURN)  # delta changes branch with sigma
     psi_wrapped = (sigma_unwrapped + delta + TURN * flipped) / 2.0
     predicted = _predicted_turn(can, dt, phi, phi_dot, psi_dot)
-    psi = _unwrap(psi_wrapped, predicted)
+    level = _stays_in_plane(phi, phi_dot, psi_dot)
+    # of no turn and half a turn, either way, a quarter is nearest to none and to half a turn on
+    psi = _unwrap(psi_wrapped, np.where(level, np.pi / 2.0, predicted))
     theta = sigma_unwrapped - psi
 
     too_far = np.maximum(np.abs(np.diff(psi)), np.abs(predicted)) > RESOLVED_STEP
+    too_far &= ~level
     unresolved = np.concatenate((np.zeros(1, dtype=np.bool_), too_far))
     return Angles(
         phi=phi,
@@ -340,6 +353,16 @@ def angles_of_record(
         theta_dot=theta_dot,
         unresolved=unresolved,
     )
+
+
+_IN_PLANE = 1e-6
+"""Of phi: how near to the flat state a straight line passes that passes through it."""
+
+
+def _stays_in_plane(phi: Floats, phi_dot: Floats, psi_dot: Floats) -> NDArray[np.bool_]:
+    """Return the intervals in which the can moves in a vertical plane, shape (n-1,)."""
+    across = np.abs(phi * psi_dot) < _IN_PLANE * np.abs(phi_dot)
+    return across[:-1] & across[1:]
 
 
 def _predicted_turn(can: Can, dt: Floats, phi: Floats, phi_dot: Floats, psi_dot: Floats) -> Floats:

@@ -15,7 +15,7 @@ from types import MappingProxyType
 from models.gravity import gravity_vector
 from models.kinematics import to_body
 from models.mass import body as rigid_body
-from models.mjcf_contact import numbers, pair, softness, surface
+from models.mjcf_contact import SHIPPED_TIMESTEP, cone, contact_rows, numbers, pair, surface
 from models.rim import release_state
 from models.scene import Scene
 
@@ -68,8 +68,8 @@ def mjcf(
     every_sensor : bool
         After them add all that MuJoCo can tell of a body and of the energy, to see what it costs.
     spring_timestep : float, optional
-        s; where given, the contact of `geom` is a spring, with friction for this timestep: see
-        `models.mjcf_contact`. A scene with compliance has such a contact anyway.
+        s; where given, the contact of `geom` has a law of its own, with friction for this timestep:
+        see `models.mjcf_contact`. A scene with compliance or restitution has such a contact anyway.
 
     Returns
     -------
@@ -83,13 +83,13 @@ def mjcf(
     for sentence in _beyond_mjcf(scene):
         root.append(ET.Comment(f" {sentence} "))
     gravity = numbers(*gravity_vector(scene).tolist())
-    said = {"gravity": gravity} | softness(scene.effects) | dict(option)
+    said = {"gravity": gravity} | cone(scene) | dict(option)
     options = ET.SubElement(root, "option", said)
     if flag:
         ET.SubElement(options, "flag", dict(flag))
 
     world = ET.SubElement(root, "worldbody")
-    material = surface(scene) | dict(geom)
+    material = surface(scene, spring_timestep) | dict(geom)
     ET.SubElement(world, "geom", {"name": "ground", "type": "plane", "size": "0 0 1"} | material)
     body = ET.SubElement(
         world,
@@ -103,9 +103,10 @@ def mjcf(
     size = numbers(can.radius, can.half_height)
     ET.SubElement(body, "geom", {"name": "can", "type": "cylinder", "size": size} | material)
 
-    if scene.effects.compliance is not None or spring_timestep is not None:
+    rows = contact_rows(scene, spring_timestep)
+    if rows is not None:
         contact = ET.SubElement(root, "contact")
-        ET.SubElement(contact, "pair", pair(material, spring_timestep))
+        ET.SubElement(contact, "pair", pair(material, rows))
     if contact_sensors:
         _add_sensors(root, filled=filled_sensors, every=every_sensor)
     keyframe = ET.SubElement(root, "keyframe")
@@ -160,9 +161,14 @@ def _beyond_mjcf(scene: Scene) -> Iterator[str]:
         )
     if damping is not None:
         yield f"Motion is damped: the harness sets dof_damping to {numbers(*damping)}."
-    for name, wanting in (("rim", "rounded cylinder"), ("restitution", "impact law")):
-        if getattr(scene.effects, name) is not None:
-            yield f"The effect {name} is left out: MuJoCo has no {wanting}."
+    if scene.effects.rim is not None:
+        yield "The effect rim is left out: MuJoCo has no rounded cylinder."
+    rebound = scene.effects.restitution
+    if rebound is not None:
+        yield (
+            f"The contact gives back {rebound.coefficient!r} of an impact at a timestep of "
+            f"{SHIPPED_TIMESTEP!r} s: solref and solreffriction are tied to it."
+        )
 
 
 _OF_A_BODY = (

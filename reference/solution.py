@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from reference.analysis.sensitivity import Sensitivity
 
 
+BEFORE = 4.0 * np.finfo(float).eps
+"""Share of its time by which a sample is before an impact: a unit of time leaves them apart."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bounce:
     """One bounce, from a maximum of phi through the minimum to the next maximum.
@@ -164,11 +168,13 @@ class Solution:
         return sensitivity(self.problem)
 
     def grid(self) -> Floats:
-        """Return sampling times, dense by angle.
+        """Return sampling times, dense by angle; of an impact the last instant before it, too.
 
         See `reference.analysis.sampling.grid_by_angle`.
         """
-        landmarks = np.concatenate([[0.0, self.t_end], self.maxima, self.minima])
+        struck = np.array([impact.time for impact in self.impacts])
+        sides = (struck, struck * (1.0 - BEFORE))
+        landmarks = np.concatenate([[0.0, self.t_end], self.maxima, self.minima, *sides])
         # every fourth node: where to look, not yet how densely
         times, _ = self.path.nodes()
         return grid_by_angle(self.path, np.concatenate([landmarks, times[::4]]))

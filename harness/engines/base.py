@@ -13,7 +13,7 @@ from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError, UnknownSettingError
 from harness.core.public_paths import warn_renamed
 from harness.core.simulation import Simulation
-from harness.engines.description import NONLINEAR, Description, Precision
+from harness.engines.description import Description, Precision
 from harness.engines.linearised import LinearisedMotion
 from harness.engines.world import World, renamed_words
 from models.effects import Effects
@@ -29,28 +29,23 @@ class Capabilities:
     Parameters
     ----------
     honours : frozenset of str
-        Effects that it simulates where a scene declares them.
+        Effects that it simulates where a scene declares them, and constants such as
+        "compliance.exponent" that it takes other than their defaults.
     imposes : mapping of str to str
         Effects that it adds to every scene, declared or not, each with a sentence that says how.
     least : mapping of str to float
         Constants of effects, such as "drilling.length", of which an engine makes a small one this
         large, SI units; none at all, where that is allowed, stays none.
-    constants : frozenset of str
-        Constants of effects that an engine takes other than their defaults, of those whose default
-        is the law that every engine has: "compliance.exponent".
     """
 
     honours: frozenset[str]
     imposes: Mapping[str, str]
     least: Mapping[str, float] = field(default_factory=dict)
-    constants: frozenset[str] = frozenset()
 
     def lacking(self, effects: Effects) -> tuple[str, ...]:
         """Return what is declared that the engine neither honours nor imposes."""
-        known, law = self.honours | set(self.imposes), effects.compliance
-        curved = law is not None and not law.linear and NONLINEAR not in self.constants
-        unknown = tuple(effect for effect in effects.declared() if effect not in known)
-        return unknown or ((NONLINEAR,) if curved else ())
+        known = self.honours | set(self.imposes)
+        return tuple(name for name in effects.demanded() if name not in known)
 
 
 @dataclass(frozen=True, slots=True)

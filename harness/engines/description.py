@@ -45,9 +45,6 @@ APART = (
 FLIGHT = "flight"
 """What a scene asks for that releases its can above the plane, as effects are named."""
 
-NONLINEAR = "compliance.exponent"
-"""What a scene asks for whose compliant contact is no linear spring, as constants are named."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Description:

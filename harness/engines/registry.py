@@ -359,7 +359,7 @@ def missing_effects(name: str, scene: Scene) -> tuple[str, ...]:
 
     It neither honours nor imposes them, or makes more of them than the scene declares. `FLIGHT` is
     one of them where the can is released above the plane, and the engine holds it there;
-    `NONLINEAR` where the contact is no linear spring.
+    constants such as "compliance.exponent" where the contact has another law than it knows.
     """
     flies = scene.release.height > 0.0 and is_constraint(name)
     unable: tuple[str, ...] = (FLIGHT,) if flies else ()
@@ -383,7 +383,7 @@ def _honours(name: str, effect: str, scene: Scene) -> bool:
     """Whether an engine is there and simulates an effect as a scene declares it."""
     try:
         able = engine(name).capabilities
-        honours = effect == FLIGHT or effect in able.honours | able.constants
+        honours = effect == FLIGHT or effect in able.honours
         return honours and effect not in missing_effects(name, scene)
     except MissingPackageError:
         return False

@@ -226,9 +226,12 @@ def measure_simulation(simulation: Simulation) -> Evaluation:
     dense = sample_truth(exact)
     if simulation.case.profile == RECORDED:  # which may be nearer to the locus than a chord of it
         dense = exact.at(np.union1d(dense.time, compared.time))
-    before = dense.time < compared.time[-1]
+    borne = (dense.contact_count > 0) & (dense.contact_force[:, 2] != 0.0)  # not in flight
+    before = borne & (dense.time < compared.time[-1])
     # to the very end of what is compared: cut at a sample, the curve would be too short
-    locus = np.vstack((dense.contact_point[before, :2], true.trajectory.contact_point[-1:, :2]))
+    last = true.trajectory.contact_point[-1:, :2]
+    last = last[true.trajectory.contact_count[-1:] > 0]
+    locus = np.vstack((dense.contact_point[before, :2], last))
     chaos = divergence_of(scene)
     chaotic = chaos is not None and chaos.chaotic
     parted = rotation_between(compared.trajectory.quaternion, true.trajectory.quaternion) > PARTED

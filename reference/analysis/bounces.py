@@ -180,7 +180,8 @@ def _refined(
         right = grid[rows, np.minimum(peak + 1, SAMPLES - 1)]
         middle = np.clip(peak, 1, SAMPLES - 2)
         sides = np.minimum(values[rows, middle - 1], values[rows, middle + 1])
-        if (sides >= (1 - LEVEL) * values[rows, middle]).all():
+        level = sides >= (1 - LEVEL) * values[rows, middle]
+        if level.all():
             break
     # the vertex of the parabola through the best sample and its neighbours: fourth order
     below, top, above = (values[rows, middle + step] for step in (-1, 0, 1))
@@ -188,5 +189,6 @@ def _refined(
     with np.errstate(invalid="ignore"):
         bend = 2 * top - below - above
         rise = np.divide((above - below) ** 2, 8 * bend, out=np.zeros_like(top), where=bend > 0)
-    inside = (top >= below) & (top >= above) & np.isfinite(rise)
+    # what is never level jumps, at an impact: no parabola passes there
+    inside = level & (top >= below) & (top >= above) & np.isfinite(rise)
     return np.sign(sign) * np.where(inside, np.maximum(best, top + rise), best)

@@ -4,6 +4,7 @@ Every integrator reports extrema of phi; this module decides which of them count
 bounce and as an ending. The result of an integrator is a `Run`: its path and its extrema.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -17,6 +18,8 @@ from reference.problem.states import Floats, Snapshot, States, initial_states, s
 
 # A bounce must stand out from round-off: phi must fall by at least this fraction of its maximum.
 PROMINENCE = 1e-9
+# The same of a motion with impacts, over the largest phi: as bounces of engines are measured.
+SHARE_OF_BOUNCE = 0.01
 # Ripples in a row before a motion is called steady.
 RIPPLES = 4
 # A motion in which phi stays within `PROMINENCE` for this many pendulum times is steady: beside a
@@ -61,6 +64,33 @@ class Extrema:
         return self.times[~self.maximum]
 
 
+def prominent(heights: Sequence[float], share: float) -> list[int]:
+    """Return which extrema count, between which phi changes by a share of the largest, or more.
+
+    Of two neighbours that are nearer to each other neither counts; of the first two, the second is
+    kept, and of the last two the first.
+
+    Parameters
+    ----------
+    heights : sequence of float
+        phi at maxima and minima in turn, rad.
+    share : float
+        Of the largest of them.
+    """
+    kept, phi = list(range(len(heights))), np.array(heights)
+    least = share * float(phi.max(initial=0.0))
+    while len(kept) > 1:
+        swings = np.abs(np.diff(phi[kept]))
+        smallest, last = int(swings.argmin()), len(kept) - 2
+        if swings[smallest] >= least:
+            break
+        if smallest == last:
+            del kept[-1]
+        else:
+            del kept[smallest : smallest + (2 if smallest else 1)]
+    return kept
+
+
 class ExtremumRecorder:
     """Collects the extrema of phi and decides the ending.
 
@@ -69,9 +99,16 @@ class ExtremumRecorder:
 
     Where bounces are asked for a motion in which phi no longer moves ends as steady. One that
     moves, however slowly, is followed: near a fold of the steady motions a bounce takes any time.
+
+    Attributes
+    ----------
+    share : float
+        Of the largest phi: where it is not zero, only extrema count that stand out by so much, for
+        impacts turn phi' at any time.
     """
 
     def __init__(self, problem: Problem, fall: float | None = None) -> None:
+        self.share = 0.0
         self._problem = problem
         self._outcome: Outcome | None = None
         self.t_end = np.inf if problem.duration is None else problem.duration
@@ -117,9 +154,22 @@ class ExtremumRecorder:
                 self._ripples = 0
         self._extrema.append((time, snapshot, maximum))
         if maximum and self._ripples == 0 and len(self._extrema) > 1:
-            self._closed += len(self._extrema) > 2  # noqa: PLR2004 - max, min, max
-            if self._problem.bounces is not None and self._closed >= self._problem.bounces:
+            asked = self._problem.bounces
+            if self.share == 0.0:
+                self._closed += len(self._extrema) > 2  # noqa: PLR2004 - max, min, max
+            elif asked is not None:
+                kinds = [kind for _, _, kind in self._counted(self._extrema)]
+                self._closed = sum(kinds) - 1 if kinds and kinds[-1] else 0
+            if asked is not None and self._closed >= asked:
                 self.end(time, Outcome.FINISHED)
+
+    def _counted(
+        self, seen: Sequence[tuple[float, Snapshot, bool]]
+    ) -> list[tuple[float, Snapshot, bool]]:
+        """Return the extrema that stand out."""
+        if self.share == 0.0:
+            return list(seen)
+        return [seen[k] for k in prominent([snapshot.phi for _, snapshot, _ in seen], self.share)]
 
     def advance(self, time: float, phi: float) -> None:
         """Report that the motion is integrated up to `time`, and phi there."""
@@ -159,7 +209,7 @@ class ExtremumRecorder:
         """
         if self._outcome is None:
             raise RuntimeError("the motion has not ended")
-        seen = [e for e in self._extrema if e[0] <= self.t_end]
+        seen = self._counted([e for e in self._extrema if e[0] <= self.t_end])
         heights = [snapshot.phi for _, snapshot, _ in seen]
         if len(seen) > 1 and max(heights) - min(heights) < PROMINENCE * max(heights):
             seen = []

@@ -10,6 +10,7 @@ sequence by the square of that time, which is round-off.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeAlias
 
 import numpy as np
 import scipy
@@ -39,7 +40,7 @@ from reference.problem.effects import Restitution
 from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
-from reference.smooth.extrema import ExtremumRecorder, Run
+from reference.smooth.extrema import SHARE_OF_BOUNCE, ExtremumRecorder, Run
 from reference.unilateral.flight import Flight
 from reference.unilateral.free_body import (
     Body,
@@ -66,6 +67,9 @@ RATTLES = 1e-13
 SLIDES = 1e-6
 # Of the velocities: a normal velocity below this share is round-off.
 STILL = 1e-15
+Onward: TypeAlias = tuple[Floats, float]
+"""A state of the rim, shape (13,), and how fast it rises from the plane; zero of one that stays."""
+
 JAMS = frozenset({Outcome.JAMMED, Outcome.INCONSISTENT})
 
 
@@ -123,10 +127,11 @@ class UnilateralMotion:
         else:
             arrived = self._roll(y, new=True)
         while not self._watch.ended() and arrived is not None:
+            y, rise = arrived
             if self._evaluations > MOST_WORK:
-                self._watch.end(float(arrived[TIME]), Outcome.OUTWORKED)
+                self._watch.end(float(y[TIME]), Outcome.OUTWORKED)
                 break
-            arrived = self._roll(arrived)
+            arrived = self._fly(y, rise) if rise > 0.0 else self._roll(y)
         path = UnilateralPath(self._parts, self._starts)
         track = self._watch.track()
         there = path.at(track.times)
@@ -167,8 +172,8 @@ class UnilateralMotion:
             else:
                 self._phases.append(phase)
 
-    def _roll(self, y: Floats, *, new: bool = False) -> Floats | None:
-        """Follow the rim on the plane; return where it goes on after what ends that, if it does."""
+    def _roll(self, y: Floats, *, new: bool = False) -> Onward | None:
+        """Follow the rim on the plane; return how it goes on after what ends that, if it does."""
         integrator = self._integrator(y, None if new else self._watch)
         path = integrator.follow()
         self._watch = integrator.watch
@@ -196,7 +201,7 @@ class UnilateralMotion:
             return CompiledIntegrator(problem, own, locus=True, start=start, watch=watch)
         return HybridIntegrator(problem, own, locus=True, start=start, watch=watch)
 
-    def _lift(self, y: Floats) -> Floats | None:
+    def _lift(self, y: Floats) -> Onward | None:
         """Leave the plane, if the rim is free to."""
         self._watch.go_on()
         if self._acceleration(y, 0.0) < -STILL * 1e3 and np.isinf(self._equations.mu):
@@ -207,8 +212,8 @@ class UnilateralMotion:
 
     def _fly(
         self, y: Floats, rise: float, *, gap: float = 0.0, lifted: bool = False
-    ) -> Floats | None:
-        """Follow a flight to its landing."""
+    ) -> Onward | None:
+        """Follow a flight to its landing; return how the can goes on."""
         launch = launch_of(y, self._body, rise=rise, gap=gap)
         flight = Flight(self._body, launch)
         most = self._watch.t_end - launch.time
@@ -285,10 +290,10 @@ class UnilateralMotion:
             after[[W1, W3, U2]] = 0.0
         return after, struck
 
-    def _hit(self, y: Floats, rise: float, *, jams: bool = False) -> Floats | None:
-        """Take an impact of the lower rim, and go on after it."""
+    def _hit(self, y: Floats, rise: float, *, jams: bool = False) -> Onward | None:
+        """Take an impact of the lower rim, and return how the can goes on after it."""
         if rise == 0.0 and not jams:
-            return y
+            return y, 0.0
         after, struck = self._struck(y, rise, self._law.coefficient, jams=jams)
         ends = None if jams else self._ends(after, rise, float(struck.velocity[2]))
         if ends is not None:
@@ -301,12 +306,11 @@ class UnilateralMotion:
         if self._lies(after, up):
             self._rest(after, 2 * abs(rise))
             return None
-        if up > STILL * abs(rise):
-            return self._fly(after, up)
-        return after
+        return after, up if up > STILL * abs(rise) else 0.0
 
     def _record(self, y: Floats, rise: float, struck: Collision, ends: float | None = None) -> None:
-        """Append an impact to those of the motion."""
+        """Append an impact to those of the motion, in which extrema now have to stand out."""
+        self._watch.share = SHARE_OF_BOUNCE
         up = float(struck.velocity[2])
         self.impacts.append(
             Impact(
@@ -340,7 +344,7 @@ class UnilateralMotion:
         )
         return float(after[TIME]) + left if left * rate < ENDLESS else None
 
-    def _land_flat(self, y: Floats) -> Floats | None:
+    def _land_flat(self, y: Floats) -> Onward | None:
         """Take the impacts of a can that meets the plane with its whole face.
 
         The point opposite to the contact hits first. Where the can is so flat that this drives the
@@ -367,8 +371,8 @@ class UnilateralMotion:
             self._rest(y, left)
             return None
         if rise > STILL * falling and there > STILL * falling:
-            return self._fly(y, rise)
-        return other_side(y, self._body) if rise > there else y
+            return y, rise
+        return (other_side(y, self._body) if rise > there else y), 0.0
 
     def _lies(self, y: Floats, up: float) -> bool:
         """Return whether a can lies on its face but for what it rattles there by round-off."""

@@ -27,11 +27,10 @@ from harness.engines import (
     trajectory_of,
 )
 from harness.engines.mujoco.colliders import CYLINDER_ON_PLANE, mesh_in, shapes_in
-from harness.engines.mujoco.settings import attributes, matched_solref, soft_solref, stages
+from harness.engines.mujoco.settings import attributes, matched_solref, rows_of, stages
 from models import Can
 from models.gravity import shaking
 from models.kinematics import to_world
-from models.mjcf_contact import friction_solref
 from models.release import Release
 from models.to_mjcf import DEPTH_SENSOR, NET_SENSOR, dof_damping, mjcf
 
@@ -107,7 +106,7 @@ class CompiledScene:
     ) -> None:
         option, geom, own_flag = attributes(case, chosen)
         self._shapes = shapes_in(chosen)
-        soft = soft_solref(case, timestep)
+        rows = rows_of(case, timestep)
         everything = chosen.get("build") == "everything"
         text = mjcf(
             alike(case).scene,
@@ -117,7 +116,7 @@ class CompiledScene:
             contact_sensors=contact_sensors,
             filled_sensors=not HAS_CONTACT_SENSORS,
             every_sensor=everything,
-            spring_timestep=None if soft is None else timestep,
+            spring_timestep=None if rows is None else timestep,
         )
         if not HAS_CONTACT_SENSORS:
             mujoco.set_mjcb_sensor(None)  # it is called with a model that is only half compiled
@@ -131,9 +130,9 @@ class CompiledScene:
         if contact_sensors and not HAS_CONTACT_SENSORS:
             mujoco.set_mjcb_sensor(fill_contact_sensors)
         self._scene, self._shaken = case.scene, case.scene.effects.shake is not None
-        self._case, self._soft = case, soft is not None
+        self._case, self._lawful, self._largest = case, rows is not None, timestep
         stiffest = case.profile != "default" and "solref" not in dict(case.options)
-        self._tied = stiffest and not self._soft
+        self._tied = stiffest and not self._lawful
         damping = dof_damping(case.scene)
         if damping is not None and case.scene.effects.point_mass is not None:
             reason = (
@@ -208,9 +207,10 @@ class CompiledScene:
             self.model.opt.timestep = timestep
             if self._tied:
                 self.model.geom_solref[:, :] = matched_solref(timestep)
-            if self._soft:
-                self.model.pair_solref[0] = soft_solref(self._case, timestep)
-                self.model.pair_solreffriction[0] = friction_solref(timestep)
+            rows = rows_of(self._case, timestep, self._largest) if self._lawful else None
+            if rows is not None:
+                self.model.pair_solref[0] = rows.solref
+                self.model.pair_solreffriction[0] = rows.solreffriction
 
     def forces(self, times: Floats) -> Floats | None:
         """Return `xfrc_applied` of the steps from these times (n,) on, shape (n, 6 bodies).

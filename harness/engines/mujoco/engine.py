@@ -114,6 +114,7 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
             {
                 "slip",
                 "compliance",
+                "restitution",
                 "drilling",
                 "rolling_resistance",
                 "damping",
@@ -125,6 +126,8 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
         imposes={
             "compliance": "contact is soft: it yields by solref and solimp, and so does friction",
             "rebound": "a stiff contact gives a part of an impact back, as its damping leaves it",
+            "sliding impact": "a rim that slips through an impact to a slip of w is thrown off by "
+            "about mu w more than restitution gives back",
             "shared cone": "drilling and rolling resistance share one cone with friction, and "
             "rolling resistance brings drilling of 1e-5 m",
             "several contacts": "near the flat state three points of the rim bear the load",

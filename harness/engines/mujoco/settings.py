@@ -45,7 +45,15 @@ from harness.engines.mujoco.colliders import (
     mesh_in,
 )
 from models.effects import Effects
-from models.mjcf_contact import SOFT_IMPRATIO, SOFT_SOLIMP, contact_dimension, pair, spring, surface
+from models.mjcf_contact import (
+    DEPTH_TAKEN,
+    HARDEST,
+    ContactRows,
+    contact_dimension,
+    contact_rows,
+    pair,
+    surface,
+)
 
 FAINTEST = float(mujoco.mjMINMU)
 """What MuJoCo makes of a coefficient of friction, or an arm in m, that is smaller: 1e-5."""
@@ -165,6 +173,10 @@ def imposed_in(case: Case, chosen: Mapping[str, Value]) -> dict[str, float]:
     As shipped sliding and turning share so much that a moment is nearly none.
     """
     rows = {"friction between the axes": _PYRAMID} if chosen["cone"] == "pyramidal" else {}
+    if (law := case.scene.effects.restitution) is not None:
+        # a tenth of a thousandth, by the impedance, of what an impact changes, and round-off
+        missed = DEPTH_TAKEN / 2.0 + 2.0 * (1.0 - HARDEST)
+        rows["restitution"] = missed / (law.coefficient or 1.0)
     if mesh := mesh_in(chosen):
         rows |= rim_within(case.scene.can, outline_gap(mesh) * case.scene.can.radius)
     return rows | (dict.fromkeys(_ARMS, 1.0) if case.profile == "default" else {})
@@ -192,25 +204,28 @@ def for_effects(case: Case, timestep: float) -> dict[str, Value]:
     MuJoCo raises a coefficient of friction of zero to 1e-5, so that a frictionless plane needs a
     contact without friction.
     """
-    effects, soft = case.scene.effects, soft_solref(case, timestep)
+    effects, rows = case.scene.effects, rows_of(case, timestep)
     decided: dict[str, Value] = {}
     if {"slip", "drilling", "rolling_resistance"}.intersection(effects.declared()):
         decided["condim"] = contact_dimension(effects)
-    if soft is not None:
-        decided["solref"], decided["solimp"] = soft, SOFT_SOLIMP
-        decided["impratio"], decided["cone"] = SOFT_IMPRATIO, "elliptic"
+    if rows is not None:
+        decided["solref"], decided["solimp"] = rows.solref, rows.solimp
+        decided["impratio"], decided["cone"] = rows.impratio, "elliptic"
     return decided
 
 
-def soft_solref(case: Case, timestep: float) -> tuple[float, float] | None:
-    """Return `solref` where the contact of a case is a spring: see `models.mjcf_contact`.
+def rows_of(case: Case, timestep: float, largest: float | None = None) -> ContactRows | None:
+    """Return the contact of a case where it has a law of its own: see `models.mjcf_contact`.
 
     An option that says how stiff the contact is has the last word, and profile `default` ships
-    without a spring that the scene does not declare.
+    without a spring that the scene does not declare. Of steps that change `largest` is the longest.
     """
     if {"solref", "solimp"}.intersection(dict(case.options)):
         return None
-    return spring(case.scene, None if case.profile == "default" else timestep)
+    declared = {"compliance", "restitution"}.intersection(case.scene.effects.declared())
+    if case.profile == "default" and not declared:
+        return None
+    return contact_rows(case.scene, timestep, largest)
 
 
 def stages(chosen: Mapping[str, Value], effects: Effects) -> dict[str, str]:
@@ -278,9 +293,10 @@ def as_mjcf(
         lines = [f"<option {_spelled(option)}>", f"  <flag {_spelled(flag)}/>", "</option>"]
     if geom:
         lines += ["<default>", f"  <geom {_spelled(geom)}/>", "</default>"]
-    if soft_solref(case, timestep) is not None:
-        springy = pair(surface(case.scene) | geom, timestep)
-        lines += ["<contact>", f"  <pair {_spelled(springy)}/>", "</contact>"]
+    rows = rows_of(case, timestep)
+    if rows is not None:
+        lawful = pair(surface(case.scene, timestep) | geom, rows)
+        lines += ["<contact>", f"  <pair {_spelled(lawful)}/>", "</contact>"]
     head = ""
     if case.profile == "adaptive":
         head = _ADAPTIVE.format(largest=timestep, set_step=set_step)

@@ -8,7 +8,6 @@ from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.core.simulation import Outcome, Simulation
 from harness.engines.base import Capabilities, resolve
-from harness.engines.description import NONLINEAR
 from harness.engines.reference.to_reference_problem import HONOURS, refusal
 from harness.engines.reference.truth import (
     SETTINGS,
@@ -29,7 +28,7 @@ class ReferenceEngine:
     settings = SETTINGS
     variants = VARIANTS
     tolerances = TOLERANCES
-    capabilities = Capabilities(honours=HONOURS, imposes={}, constants=frozenset({NONLINEAR}))
+    capabilities = Capabilities(honours=HONOURS, imposes={})
 
     @property
     def version(self) -> str:

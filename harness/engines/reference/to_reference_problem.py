@@ -37,7 +37,9 @@ HONOURS = frozenset(
     {
         "slip",
         "compliance",
+        "compliance.exponent",
         "restitution",
+        "restitution.law",
         "drilling",
         "rolling_resistance",
         "damping",
@@ -47,7 +49,7 @@ HONOURS = frozenset(
         "point_mass",
     }
 )
-"""Effects that a reference model carries."""
+"""Effects that a reference model carries, and constants of theirs that not every engine has."""
 
 _RATES = ("phi_dot", "psi_dot", "theta_dot")
 

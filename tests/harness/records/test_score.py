@@ -22,10 +22,7 @@ from models.scene import Horizon
 from tests.harness.records.written import EVERY, frame_of, saved
 from tests.support.command_line import Command
 
-# where an extremum of phi is an impact, a record read by splines does not meet it to round-off
-EXACT = [
-    name for name in names() if not refusal(load(name)) and load(name).effects.restitution is None
-]
+EXACT = [name for name in names() if not refusal(load(name))]
 
 
 @pytest.fixture
