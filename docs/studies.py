@@ -116,6 +116,7 @@ def gradients() -> dict[str, str]:
         right = adaptive["right_from"].notna().groupby(adaptive["key"]).all()
         facts[f"{short}_right"] = f"{right.sum()} of {len(right)}"
     facts["settings"] = _settings(csv("gradients-gentle/gentle-rock-settings.csv"))
+    facts["chaos"] = _chaos(csv("gradients-chaos/chaotic-can-phi.csv"))
     facts["autodiff"] = _autodiff(csv("gradients-autodiff/gentle-rock-own.csv"))
     return facts
 
@@ -236,3 +237,36 @@ def _columns(by: pd.DataFrame) -> list[str]:
 def _share(error: float) -> str:
     """Return a relative error in percent, or a dash where there is none."""
     return "-" if math.isnan(error) else f"{digits(100.0 * error, 2)} %"
+
+
+def _chaos(table: pd.DataFrame) -> str:
+    """Return the exact growth along the chaotic motion, and what MuJoCo says of it."""
+    of = table[table["key"] == "release.phi"]
+    fixed, adaptive, truth = (
+        of[(of["engine"] == engine) & (of["profile"] == profile)]
+        for engine, profile in (
+            ("mujoco", "matched"),
+            ("mujoco", "adaptive"),
+            ("reference", "matched"),
+        )
+    )
+    finest = fixed[fixed["timestep_s"] == fixed["timestep_s"].min()].set_index("time_s")
+    moving = adaptive.set_index("time_s")
+    rows = [
+        (
+            f"{row['time_s']:g}",
+            f"{row['growth']:.3g}",
+            f"{row['right_to']:.0e}",
+            _share(finest.loc[row["time_s"], "settled_error"]),
+            _share(moving.loc[row["time_s"], "settled_error"]),
+        )
+        for _, row in truth.iterrows()
+    ]
+    head = (
+        "time, s",
+        "growth, rad",
+        "longest right step",
+        "MuJoCo, fixed step",
+        "MuJoCo, adaptive",
+    )
+    return markdown(head, rows, words=0)
