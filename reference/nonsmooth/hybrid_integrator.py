@@ -222,8 +222,8 @@ class HybridIntegrator:
             (min(self._length, self._left()) if resisted else self._length, scale, cut),
             polynomial,
             (self.watch.t_end, equations.bilateral_normal),
-            (1 if resisted or now.at_once else STEPS_A_MARCH, most // STAGES + 1),
-            (self._locus, self._counts, now.at_once),
+            (1 if resisted else STEPS_A_MARCH, most // STAGES + 1),
+            (self._locus, self._passes(), now.at_once),
         )
         self._evaluations += rounds * STAGES
         if now.at_once and (
@@ -231,6 +231,7 @@ class HybridIntegrator:
         ):
             self._length = before
             return False
+        self._now = ModeTransition(mode=mode)
         count, seen = len(taken), 0
         times, leans = starts[:, TIME].tolist(), starts[:, LEAN].tolist()
         for number, length in enumerate(taken.tolist()):
@@ -241,7 +242,7 @@ class HybridIntegrator:
                 length=length,
                 mode=mode,
             )
-            if resisted or now.at_once or (reason == kernels.LOOK and number == count - 1):
+            if resisted or (reason == kernels.LOOK and number == count - 1):
                 self._see(piece, compiled_events(met))
                 return True
             self._pieces.append(piece)
@@ -256,6 +257,13 @@ class HybridIntegrator:
         if reason == kernels.STOPS:
             self._halt()
         return reason != kernels.STUCK
+
+    def _passes(self) -> int:
+        """Return how many of the next extrema of phi cannot end the motion."""
+        if not self._counts:
+            return 2 * STEPS_A_MARCH
+        # a minimum closes no bounce
+        return 1 if self.watch.last_is_prominent_maximum else 0
 
     def _sets_out(self, change: Floats, rows: Index) -> bool:
         """Return whether a slip or rolling that begins with a step keeps its admissible direction.
