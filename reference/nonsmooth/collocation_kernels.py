@@ -20,6 +20,7 @@ from reference.equations.state_vector import (
     LEAN,
     LEAST_SLIP,
     PSI,
+    QUIET,
     ROWS,
     TIME,
     TOTAL,
@@ -30,7 +31,7 @@ from reference.equations.state_vector import (
     W3,
     Index,
 )
-from reference.nonsmooth.hybrid_integrator import QUIET, RESOLVED
+from reference.nonsmooth.hybrid_integrator import RESOLVED
 from reference.nonsmooth.radau_iia import (
     ALMOST,
     HOPELESS,
