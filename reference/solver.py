@@ -179,9 +179,10 @@ def solve(
         Whether to integrate by compiled code (numba, the extra `fast`): the same equations and
         method, other round-offs. It pays where many problems are solved, for it takes a second to
         load, and at its first use on a machine some seconds to compile. `method` of the solution
-        says which ran: closed forms have nothing to compile, and the confirmation of a rolling can
-        under "auto" runs in numpy. Its rounds are counted apart, so that of two motions that call
-        for all the work there is one may be followed further.
+        says which ran: closed forms have nothing to compile, effects that no kernel carries are
+        computed in numpy, and so is the confirmation of a rolling can under "auto". Its rounds are
+        counted apart, so that of two motions that call for all the work there is one may be
+        followed further.
 
     Returns
     -------
@@ -226,7 +227,7 @@ def solve(
         bounces = confirmed.motion.bounces
     else:
         run, solved_by, used = _dispatch(
-            problem, model=model, method=method, rtol=rtol, locus=locus, compiled=compiled
+            problem, choice.model, model, method=method, rtol=rtol, locus=locus, compiled=compiled
         )
         bounces = measure_bounces(
             run.path,
@@ -251,7 +252,9 @@ def solve(
         steps=run.steps,
         evaluations=run.evaluations,
         path=run.path,
-        equations=equations_of(solved_by, problem),
+        equations=(
+            choice.equations if solved_by == choice.model else equations_of(solved_by, problem)
+        ),
         why=choice.why,
         phases=phases,
         agreement=None if confirmed is None else confirmed.agreement,
@@ -259,11 +262,20 @@ def solve(
 
 
 def _dispatch(
-    problem: Problem, *, model: str, method: str, rtol: float, locus: bool, compiled: bool
+    problem: Problem,
+    needed: str,
+    model: str,
+    *,
+    method: str,
+    rtol: float,
+    locus: bool,
+    compiled: bool,
 ) -> tuple[Run, str, str]:
-    """Return the run, the model that was solved in the end, and how."""
+    """Return the run, the model that was solved in the end, and how.
+
+    Of a problem that needs a model, with the model that is asked for.
+    """
     stepped = "DOP853" if method == "half-period" else method
-    needed = smallest(problem).model
     if (
         model == "auto"
         and needed != "rolling"
@@ -273,6 +285,11 @@ def _dispatch(
     if model in {"coulomb", "general"} and method != "half-period":
         sentence = f"`method` of model {model!r} is 'half-period' alone, not {method!r}"
         raise SolverError("method", method, "half-period", sentence)
+    if compiled and model in {"coulomb", "general"}:
+        from reference.equations.compiled_equations import CompiledEquations
+
+        # the one place where effects that no kernel carries are sent to numpy
+        compiled = CompiledEquations.know(problem.effects)
     named = f"{method}, compiled" if compiled else method
     smaller: dict[str, Callable[[], tuple[Run, str]]] = {
         "pendulum": lambda: (_in_closed_form(problem, model), "closed form"),

@@ -4,13 +4,14 @@ Beside another set of equations, whose numbers they give to within round-off; th
 (`reference.equations.kernels`) are imported with the first state, numba with them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import inf
 
 import numpy as np
 
 from reference.equations.contact_laws import Contact, Equations, Mode
 from reference.equations.state_vector import Index
+from reference.problem.effects import Effects
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 
@@ -21,6 +22,20 @@ Laws = tuple[bool, int, bool]
 # normal mobility, and for the works the velocity of the centre, shaking and angular momentum.
 FORCE, MOMENT, TURNING, SLIPPING, MOBILITY, VELOCITY, SHAKING, MOMENTUM = 0, 3, 6, 9, 11, 12, 15, 18
 CONTACT_ROWS = 21
+
+# Effects that are among the constants; an effect that is not sends a problem to numpy.
+CARRIED = frozenset(
+    {
+        "mu",
+        "drilling",
+        "rolling_resistance",
+        "linear_damping",
+        "angular_damping",
+        "rim",
+        "gravity",
+        "mass",
+    }
+)
 
 
 def laws_of(mode: Mode) -> Laws:
@@ -48,6 +63,12 @@ class CompiledEquations:
     drilling: float
     resistance: float
     bilateral_normal: bool
+
+    @staticmethod
+    def know(effects: Effects) -> bool:
+        """Return whether the kernels carry all effects that differ from their ideal limits."""
+        others = (effect for effect in fields(effects) if effect.name not in CARRIED)
+        return all(getattr(effects, effect.name) == effect.default for effect in others)
 
     @classmethod
     def of(cls, plain: Equations, problem: Problem) -> "CompiledEquations":

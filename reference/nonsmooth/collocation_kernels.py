@@ -14,12 +14,13 @@ import numpy as np
 
 from reference.equations.compiled_equations import CONTACT_ROWS, SLIPPING, Laws
 from reference.equations.kernels import contact_of, rates_at
-from reference.equations.rim_kernels import slipping_at
+from reference.equations.rim_kernels import WORK_ROWS, rim_rates, slipping_at
 from reference.equations.state_vector import (
     FLOOR,
     LEAN,
     LEAST_SLIP,
     PSI,
+    QUIET,
     ROWS,
     TIME,
     TOTAL,
@@ -30,7 +31,7 @@ from reference.equations.state_vector import (
     W3,
     Index,
 )
-from reference.nonsmooth.hybrid_integrator import QUIET, RESOLVED
+from reference.nonsmooth.hybrid_integrator import RESOLVED
 from reference.nonsmooth.radau_iia import (
     ALMOST,
     HOPELESS,
@@ -47,6 +48,11 @@ from reference.problem.states import Floats
 
 # Rounds after which a fixed point is given up, and after which each must gain a factor of two.
 _MOST, _PATIENCE = 30, 8
+# A change this small that shrinks as the last two did leaves less than this to the next round: a
+# third of what stands, for it is foreseen and not seen.
+_NEAR, _FORESEEN = 1e-6, STANDS / 3
+# Of the angular velocity: changes of parts that are smaller are measured against this share.
+_PART = 1e-3
 # A round of a stiff slip that leaves more than this of the last one's change is worth a new matrix.
 _SLOWLY = 0.3
 # Imaginary step of a slip, over its speed: nothing is subtracted.
@@ -59,12 +65,14 @@ _FLOOR, _LEAST_SLIP, _QUIET, _RESOLVED = FLOOR, LEAST_SLIP, QUIET, RESOLVED
 
 
 @jit
-def extrapolated(series: Floats, cut: float, ratio: float, out: Floats) -> None:
+def extrapolated(series: Floats, harmonics: int, cut: float, ratio: float, out: Floats) -> None:
     """Write the change in a step by the polynomial of another, shape (13, STAGES), to `out`.
 
     Parameters
     ----------
     series : ndarray, shape (13, STAGES + 1)
+    harmonics : int
+        How many of them are more than round-off, which would grow beyond the other step.
     cut : float
         Where in the other step this one begins.
     ratio : float
@@ -76,7 +84,7 @@ def extrapolated(series: Floats, cut: float, ratio: float, out: Floats) -> None:
     for j in range(STAGES):
         x = 2 * (cut + ratio * _POINTS[j]) - 1
         before, wave, before_0, wave_0 = 1.0, x, 1.0, origin
-        for k in range(1, STAGES + 1):
+        for k in range(1, harmonics + 1):
             for i in range(ROWS):
                 out[i, j] += series[i, k] * (wave - wave_0)
             before, wave = wave, 2 * x * wave - before
@@ -199,21 +207,26 @@ def collocate(
         Whether the place of the contact and the works are wanted, and whether the slip is stiff.
     """
     along, stiff = choices
+    moments = E[16] > 0 or E[17] > 0
+    b = np.empty(WORK_ROWS * STAGES)
     n = 2 * STAGES if stiff else 0
     matrix, order, residual = np.empty((n, n)), np.empty(n, np.int64), np.empty(n)
     patience = 2 * _PATIENCE if stiff else _PATIENCE
     slow = True
     change, series, y, f, D, here = arrays
-    work, size = (D, here), np.empty(ROWS)
-    before, stands, rounds = inf, False, 0
+    work, size, tangent = (D, here), np.empty(ROWS), np.empty(STAGES)
+    before, gain, stands, rounds = inf, 1.0, False, 0
     change[U2 + 1 :] = 0.0
     while rounds < _MOST and not stands:
         rounds += 1
         for i in range(ROWS):
             for j in range(STAGES):
                 y[i, j] = start[i] + change[i, j]
-        _sizes(y, size)
-        evaluate(E, laws, y, f, work, stands)
+        _sizes(y, size, stiff)
+        if moments:
+            evaluate(E, laws, y, f, work, stands)
+        else:
+            rim_rates(E, laws[0], y, b, f)
         if stiff:
             if slow:
                 _slip_matrix(E, y, length, matrix)
@@ -238,7 +251,9 @@ def collocate(
         for i in range(LEAN, PSI + 1, PSI - LEAN):
             _integrate(f, i, length, y)
         for j in range(STAGES):
-            T = np.exp(start[LEAN] + y[LEAN, j])
+            tangent[j] = np.exp(start[LEAN] + y[LEAN, j])
+        for j in range(STAGES):
+            T = tangent[j]
             S = 2 * T / (1 + T * T)
             f[TIME, j] = S
             f[TOTAL, j] = S * (start[W3] + y[W3, j] + T * f[PSI, j])
@@ -246,16 +261,23 @@ def collocate(
             _integrate(f, i, length, y)
         moved = 0.0
         for i in core:
+            largest, total = 0.0, 0.0
             for j in range(STAGES):
-                apart = abs(y[i, j] - change[i, j]) / size[i]
-                if apart > moved or isnan(apart):
-                    moved = apart
-        change[: U2 + 1] = y[: U2 + 1]
+                apart = abs(y[i, j] - change[i, j])
+                largest = max(largest, apart)
+                total += apart
+            moved = inf if isnan(total) else max(moved, largest / size[i])
+        for i in range(U2 + 1):
+            for j in range(STAGES):
+                change[i, j] = y[i, j]
         if not moved < _HOPELESS or (rounds > patience and moved > before / 2 > _ALMOST):
             return -rounds
+        # or the next round would leave less than that
+        rate = moved / before if before < inf else 1.0
         stands = moved < _STANDS or (moved < _ALMOST and moved > before / 2)
+        stands |= moved < _NEAR and moved * max(rate, gain) < _FORESEEN
         slow = rounds == 1 or moved > _SLOWLY * before
-        before = moved
+        before, gain = moved, rate
     if not stands:
         return -rounds
     if along:
@@ -275,8 +297,12 @@ def collocate(
 
 
 @jit
-def _sizes(y: Floats, size: Floats) -> None:
-    """Write the size of each row, as `state_vector.sizes` and `radau_iia.step` measure it."""
+def _sizes(y: Floats, size: Floats, stiff: bool) -> None:
+    """Write the size of each row, as `state_vector.sizes` and `radau_iia.step` measure it.
+
+    But a part of the angular velocity that is next to zero has the round-off of the others, and a
+    slip, unless its direction is stiff, that of all: what stands is still less than a tenth of it.
+    """
     size[:] = 1.0
     largest = 0.0
     for i in (W1, W2, W3):
@@ -285,11 +311,12 @@ def _sizes(y: Floats, size: Floats) -> None:
             size[i] = max(size[i], abs(y[i, j]))
         largest = max(largest, size[i])
     for i in (W1, W2, W3):
-        size[i] = max(size[i], _FLOOR * (1 + largest))
+        size[i] = max(size[i], _FLOOR * (1 + largest), _PART * largest)
     slip = _LEAST_SLIP
+    square = slip * slip
     for j in range(STAGES):
-        slip = max(slip, np.hypot(y[U1, j], y[U2, j]))
-    size[U1] = size[U2] = slip
+        square = max(square, y[U1, j] * y[U1, j] + y[U2, j] * y[U2, j])
+    size[U1] = size[U2] = np.sqrt(square) if stiff else max(np.sqrt(square), _PART * largest)
     for i in range(ROWS):
         size[i] = max(size[i], _LEAST)
 

@@ -15,6 +15,7 @@ from reference.nonsmooth.events import (
     BEGUN,
     FLAT,
     FLAT_AND_PUSHED,
+    KINDS,
     LEAST_MOBILITY,
     LIMITS,
     LOOKS,
@@ -44,7 +45,6 @@ Limits = tuple[float, bool]
 Contact = tuple[Floats, Floats]
 """Arrays for a contact."""
 
-KINDS = tuple(EventKind)
 _AT = {kind: index for index, kind in enumerate(KINDS)}
 _MAXIMUM, _MINIMUM, _HORIZON = (
     _AT[EventKind.MAXIMUM],
@@ -65,11 +65,9 @@ _IS_LIMIT = np.array([kind in LIMITS for kind in KINDS])
 
 @jit
 def _of_state(E: Floats, laws: Laws, y: Floats, limits: Limits, j: int, out: Floats) -> None:
-    """Write the margin of each event that needs the state alone to column j of `out`; else nan."""
+    """Write the margin of each event that needs the state alone to column j of `out`."""
     t_end, bilateral = limits
     _, turns, rests = laws
-    for k in range(out.shape[0]):
-        out[k, j] = nan
     out[_OVERTURNED, j] = -y[LEAN, j]
     out[_FLAT_KIND, j] = y[LEAN, j] - (_FLAT if bilateral else _PUSHED)
     out[_HORIZON, j] = t_end - y[TIME, j]
@@ -115,7 +113,9 @@ def _sampled(
     """
     n = _BASIS.shape[1]
     y = np.empty((ROWS, n))
-    for i in range(ROWS):
+    # no margin depends on the place of the contact or the works
+    y[U2 + 1 :] = 0.0
+    for i in range(U2 + 1):
         for j in range(n):
             y[i, j] = 0.0
         for k in range(STAGES + 1):
@@ -123,6 +123,7 @@ def _sampled(
                 y[i, j] += series[i, k] * _BASIS[k, j]
         for j in range(n):
             y[i, j] += start[i]
+    values[:] = nan
     for j in range(n):
         _of_state(E, laws, y, limits, j, values)
     # the least of |phi'| that is more than the round-off of the turning
@@ -202,7 +203,13 @@ def _bracket(
         first += 1
     if first == n:
         return 0
-    if _IS_LIMIT[kind] and v[first] <= 0 and v[first:].min() < 0:
+    least, largest = v[first], v[first]
+    for j in range(first + 1, n):
+        least, largest = min(least, v[j]), max(largest, v[j])
+    if least > 0 and least > _NEAR_ZERO * (largest - least):
+        # no parabola through three of them comes near zero
+        return 0
+    if _IS_LIMIT[kind] and v[first] <= 0 and least < 0:
         brackets[count, 0], brackets[count, 1] = min(_BEGUN, _LOOKS[first]), _LOOKS[first]
         count += 1
     for j in range(first + 1, n):
@@ -290,6 +297,7 @@ def _margin(
     state_at(start, series, c, y)
     # a variable: of a constant everything would be compiled once more
     only = out.shape[1] - 1
+    out[:] = nan
     _of_state(E, laws, y, limits, only, out)
     if not _OF_THE_STATE[kind]:
         work = np.empty((10, 6)), np.empty(CONTACT_ROWS)

@@ -18,6 +18,7 @@ from reference.equations.state_vector import LEAN, TIME, U1, U2, W2
 from reference.nonsmooth.level_spin import stands
 from reference.nonsmooth.segments import Segment
 from reference.nonsmooth.slip_onset import LEAN_OF_CAN, holding, reserve
+from reference.problem.outcome import Outcome
 from reference.problem.states import Floats
 
 LOOKS = tuple(np.linspace(0.0, 1.0, 41).tolist())
@@ -49,6 +50,8 @@ class EventKind(Enum):
     ROLLS = auto()
 
 
+KINDS = tuple(EventKind)
+"""In the order in which compiled code numbers them."""
 LIMITS = {
     EventKind.LIFTS,
     EventKind.JAMS,
@@ -58,6 +61,15 @@ LIMITS = {
     EventKind.TURNS,
 }
 """Events that end a mode wherever their margin is negative, also at the start of a piece."""
+EXTREMA = (EventKind.MAXIMUM, EventKind.MINIMUM)
+ENDINGS = {
+    EventKind.HORIZON: Outcome.FINISHED,
+    EventKind.OVERTURNED: Outcome.OVERTURNED,
+    EventKind.FLAT: Outcome.FELL_FLAT,
+    EventKind.LIFTS: Outcome.LIFTED,
+    EventKind.JAMS: Outcome.JAMMED,
+}
+"""Why a motion ends at an event."""
 OF_THE_STATE = {
     EventKind.MAXIMUM,
     EventKind.MINIMUM,
@@ -138,8 +150,7 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
 
 def compiled_events(located: Floats) -> list[Event]:
     """Return events of compiled code, each with the index of its kind and its place."""
-    kinds = tuple(EventKind)
-    return [Event(c=c, what=kinds[int(index)]) for index, c in located.tolist()]
+    return [Event(c=c, what=KINDS[int(index)]) for index, c in located.tolist()]
 
 
 def _zeros(

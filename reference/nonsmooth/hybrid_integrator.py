@@ -15,18 +15,17 @@ from reference.equations.state_vector import (
     ALONG,
     LEAN,
     ROWS,
-    SLIP,
     TIME,
-    TURN,
     W2,
     Index,
     phi_of,
     released,
     sizes,
     snapshot_of,
+    tail_of,
 )
-from reference.nonsmooth.events import Event, EventKind, compiled_events, events
-from reference.nonsmooth.level_spin import HARDLY, level_turning, stands
+from reference.nonsmooth.events import ENDINGS, EXTREMA, Event, EventKind, compiled_events, events
+from reference.nonsmooth.level_spin import HARDLY, stands
 from reference.nonsmooth.radau_iia import (
     STAGES,
     basis,
@@ -56,12 +55,12 @@ from reference.smooth.extrema import ExtremumRecorder, Run
 RESOLVED = 3e-14
 # Some round-offs: below it they say nothing of how long the next step may be.
 NOISE = 2e-15
-# Of the velocities, or of forces of size 1: a part smaller than this share has their round-off.
-QUIET = 1e-3
 # In sigma. Longer steps are mostly refused, which costs more than they save, unless the step before
 # left nothing but round-off: beside a fall that is flat for a long time they double.
 LONGEST = 8.0
 FIRST = 0.05
+# The same of steps by fixed point, which cost next to nothing where they are refused.
+FIRST_ROUNDS = 0.4
 # A step shorter than this no longer moves a double.
 SHORTEST = 1e-15
 # A step that cannot be taken this near to where the rim jams cannot because of that.
@@ -78,33 +77,28 @@ EXTRAPOLATED = 8
 STEPS_A_MARCH = 32
 # Basis of a step at the first of its points.
 FIRST_POINT = basis(points()[:1])[0]
-EXTREMA = (EventKind.MAXIMUM, EventKind.MINIMUM)
-ENDINGS = {
-    EventKind.HORIZON: Outcome.FINISHED,
-    EventKind.OVERTURNED: Outcome.OVERTURNED,
-    EventKind.FLAT: Outcome.FELL_FLAT,
-    EventKind.LIFTS: Outcome.LIFTED,
-    EventKind.JAMS: Outcome.JAMMED,
-}
 
 
 class HybridIntegrator:
     """Integrates one problem."""
 
     def __init__(self, problem: Problem, equations: Equations, *, locus: bool) -> None:
+        self._now = ModeTransition(mode=Mode(slips=problem.slip != (0.0, 0.0)))
         self._equations = equations
         self._locus = locus
         self._counts = problem.bounces is not None
         self._compiled = isinstance(equations, CompiledEquations)
-        self._y = released(problem)
+        self._y = released(problem, at=locus or not self._compiled)
         self._length = FIRST
         self._evaluations = 0
         self._pieces: list[Segment] = []
-        mode = Mode(slips=problem.slip != (0.0, 0.0))
+        mode = self._mode
         if equations.resistance and stands(self._y[:, None])[0]:
             self._y, mode = at_rest(self._y, mode)
         now = begin(equations, self._y, mode)
         rates = equations.rates(now.infinitesimal(self._y), now.mode)[:, 0]
+        if self._compiled and not mode.slips and not now.at_once:
+            self._length = FIRST_ROUNDS
         self.watch = ExtremumRecorder(problem, fall=-float(rates[W2] / rates[TIME]))
         self._go_on(now)
 
@@ -122,10 +116,10 @@ class HybridIntegrator:
                 self.watch.end(float(self._y[TIME]), self._stuck())
                 break
             self._see(piece, events(piece, self._equations, self.watch.t_end))
-        path = SegmentsPath(self._pieces or [self._standing()], self._equations, locus=self._locus)
+        pieces, end = self._pieces or [self._standing()], float(self._y[TIME])
+        path = SegmentsPath(pieces, self._equations, end, locus=self._locus)
         track = self.watch.track()
-        there = path.at(track.times)
-        extrema = replace(track.extrema, x=there.x, y=there.y, slip=there.slip, force=there.force)
+        extrema = track.extrema.with_contact(path.at(track.times))
         tops = np.flatnonzero(track.maximum)
         return Run(
             path=path,
@@ -160,7 +154,7 @@ class HybridIntegrator:
                 length /= 4
                 continue
             series = self._completed(taken.change, rows, length)
-            tail = self._tail(series)
+            tail = tail_of(self._y, series, resisted=self._equations.resistance > 0)
             if tail > RESOLVED:
                 length *= max(0.2, 0.8 * (RESOLVED / tail) ** (1 / STAGES))
                 continue
@@ -206,8 +200,8 @@ class HybridIntegrator:
             (min(self._length, self._left()) if resisted else self._length, scale, cut),
             polynomial,
             (self.watch.t_end, equations.bilateral_normal),
-            (1 if resisted or now.at_once else STEPS_A_MARCH, most // STAGES + 1),
-            (self._locus, self._counts, now.at_once),
+            (1 if resisted else STEPS_A_MARCH, most // STAGES + 1),
+            (self._locus, self._passes(), now.at_once),
         )
         self._evaluations += rounds * STAGES
         if now.at_once and (
@@ -215,40 +209,60 @@ class HybridIntegrator:
         ):
             self._length = before
             return False
-        count = len(taken)
-        for number, length in enumerate(taken.tolist()):
-            piece = Segment(
-                start=starts[number],
-                coefficients=series[number],
-                cut=1.0,
-                length=length,
-                mode=mode,
-            )
-            if resisted or now.at_once or (reason == kernels.LOOK and number == count - 1):
-                self._see(piece, compiled_events(met))
-                return True
-            self._pieces.append(piece)
-            for extremum in extrema[extrema[:, 0] == number]:
-                self._report(extremum[2:], maximum=bool(extremum[1] == kernels.MAXIMUM))
-            self._y = starts[number + 1]
-            self.watch.advance(float(self._y[TIME]), phi_of(float(self._y[LEAN])))
-            if self.watch.ended():
-                return True
+        self._now = ModeTransition(mode=mode)
+        seen = resisted or reason == kernels.LOOK
+        marched = starts, series, taken, extrema
+        if self._report_march(marched, mode, met if seen else None):
+            return True
         if reason == kernels.STOPS:
             self._halt()
         return reason != kernels.STUCK
 
-    def _sets_out(self, change: Floats, rows: Index) -> bool:
-        """Return whether a slip or rolling that begins with a step keeps its admissible direction.
+    def _report_march(
+        self,
+        marched: tuple[Floats, Floats, Floats, Floats],
+        mode: Mode,
+        met: Floats | None,
+    ) -> bool:
+        """Take over compiled steps; return whether the motion has ended or changed its law.
 
-        Of the change in the rows of the core up to the first point of the step.
+        With the events of the last step, where these have to be looked at.
         """
+        from reference.nonsmooth.kernels import MAXIMUM
+
+        starts, series, taken, extrema = marched
+        times, leans = starts[:, TIME].tolist(), starts[:, LEAN].tolist()
+        last, seen = len(taken) - 1, 0
+        for number, length in enumerate(taken.tolist()):
+            piece = Segment(
+                start=starts[number], coefficients=series[number], cut=1.0, length=length, mode=mode
+            )
+            if met is not None and number == last:
+                self._see(piece, compiled_events(met))
+                return True
+            self._pieces.append(piece)
+            while seen < len(extrema) and extrema[seen, 0] == number:
+                self._report(extrema[seen, 2:], maximum=bool(extrema[seen, 1] == MAXIMUM))
+                seen += 1
+            self._y = starts[number + 1]
+            if self._counts:
+                self.watch.advance(times[number + 1], phi_of(leans[number + 1]))
+            if self.watch.ended():
+                return True
+        return False
+
+    def _passes(self) -> int:
+        """Return how many of the next extrema of phi cannot end the motion."""
+        if not self._counts:
+            return 2 * STEPS_A_MARCH
+        # a minimum closes no bounce
+        return 1 if self.watch.last_is_prominent_maximum else 0
+
+    def _sets_out(self, change: Floats, rows: Index) -> bool:
+        """Return whether what begins keeps its direction up to the first point of a step."""
         y = self._y.copy()
         y[rows] += change
-        now = self._now
-        along = now.slip is None or float(y[SLIP] @ now.slip.direction) > 0
-        level = level_turning(y[:, None])[:, 0]
-        return along and (now.roll is None or float(level @ now.roll.direction) > 0)
+        return self._now.keeps_direction(y)
 
     def _left(self) -> float:
         """Return the longest step that does not pass the end of a slip or of a rolling."""
@@ -277,21 +291,6 @@ class HybridIntegrator:
             rates = self._equations.rates(y, self._mode, along=self._locus)
             change[others] = length * rates[others] @ integrator().T
         return coefficients(change)
-
-    def _tail(self, series: Floats) -> float:
-        size = np.abs(self._y) + np.abs(series).sum(axis=1)
-        size[LEAN] = 1.0
-        size[SLIP] = np.hypot(*size[SLIP])
-        size = np.maximum(size, 1e-9 * size.max())
-        # of a part of the angular velocity that is zero there is only the noise of the others
-        size[TURN] = np.maximum(size[TURN], QUIET * size[TURN].max())
-        # a slip has the round-off of all velocities; how well its direction is known shows in what
-        # the friction does to them
-        size[SLIP] = np.maximum(size[SLIP], QUIET * max(1.0, size[TURN].max()))
-        if self._equations.resistance:
-            # where it all but holds the can, moments of size 1 leave their round-off
-            size[TURN] = np.maximum(size[TURN], QUIET)
-        return float((np.abs(series[:, -2:]).max(axis=1) / size).max())
 
     def _guess(self, length: float) -> Floats:
         """Return a guess of the change in a step: the last step continued, or linear in time."""
@@ -323,10 +322,12 @@ class HybridIntegrator:
         if cut != 1.0:
             piece = replace(piece, cut=cut)
         self._pieces.append(piece)
-        self._y, self._now = piece.end, ModeTransition(mode=self._mode)
+        self._y = self._state_at(piece, cut) if self._compiled else piece.end
+        self._now = ModeTransition(mode=self._mode)
         self._switch(ending)
-        if not self.watch.ended():
-            self.watch.advance(float(self._y[TIME]), snapshot_of(self._y).phi)
+        if self._counts and not self.watch.ended():
+            phi = float(2 * np.arctan(np.exp(self._y[LEAN])))
+            self.watch.advance(float(self._y[TIME]), phi)
 
     def _report(self, y: Floats, *, maximum: bool) -> None:
         self.watch.extremum(float(y[TIME]), snapshot_of(y), maximum=maximum)
@@ -390,10 +391,4 @@ class HybridIntegrator:
         # what begins has its direction, though there is no step
         if self._now.at_once:
             series[:, 1] = HARDLY * self._guess(1.0)[:, -1]
-        return Segment(
-            start=self._y,
-            coefficients=series,
-            cut=1.0,
-            length=0.0,
-            mode=self._mode,
-        )
+        return Segment(start=self._y, coefficients=series, cut=1.0, length=0.0, mode=self._mode)

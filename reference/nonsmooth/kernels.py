@@ -3,7 +3,7 @@
 Imported where a caller asks for compiled code.
 """
 
-from math import inf
+from math import inf, log
 
 import numpy as np
 
@@ -21,9 +21,15 @@ from reference.problem.states import Floats
 # Halvings of a step that does not converge before Newton's method for all has to take it, and by
 # how much more the steps after it may be longer, each than the one before.
 _MOST_SHORTER, _RELAXED = 4, 1.2
-# Of the harmonics of a step, the share that the next one is to use, and how much longer that may be
-# where a step leaves nothing but round-off.
+# The same where few rounds were enough, and after how many refusals no more.
+_EASY, _FREED, _TRIES = 7, 2.0, 3
+# How much faster a slip has to be, for the length of its step, than where it was stiff to be tried
+# without Newton's method.
+_FASTER = 2.0
+# Where a step leaves nothing but round-off its harmonics fall faster than they have to, and as a
+# power of its length: the next one is as much longer as lets them just fall, but for a margin.
 _USED, _MORE = 0.9, 8.0
+_FALL = -log(RESOLVED)
 MAXIMUM, MINIMUM = (tuple(EventKind).index(kind) for kind in (EventKind.MAXIMUM, EventKind.MINIMUM))
 _LONGEST, _NOISE, _RESOLVED, _SHARE, _SHORTEST = LONGEST, NOISE, RESOLVED, SHARE, SHORTEST
 _STOPPED = STOPPED
@@ -53,7 +59,7 @@ def march(
     last: Floats,
     limits: tuple[float, bool],
     most: tuple[int, int],
-    choices: tuple[bool, bool, bool],
+    choices: tuple[bool, int, bool],
 ) -> tuple[int, float, int, Floats, Floats, Floats, Floats, Floats]:
     """Take steps until something has to be looked at.
 
@@ -71,9 +77,9 @@ def march(
         The horizon, and whether the plane may pull.
     most : tuple of int
         Steps to take, and rounds to spend.
-    choices : tuple of bool
-        Whether the place of the contact and the works are wanted, and whether an extremum of phi
-        has to be looked at; else it is reported; and whether a slip begins from rest.
+    choices : tuple
+        Whether the place of the contact and the works are wanted; how many extrema of phi are
+        reported before one has to be looked at; and whether a slip begins from rest.
 
     Returns
     -------
@@ -93,9 +99,9 @@ def march(
         Of the last step.
     """
     capacity, budget = most
-    along, pauses, begins = choices
+    along, passes, begins = choices
     alone = E[16] == 0 and E[17] == 0
-    stiff = begins
+    stiff, slow, refused = begins, 0.0, 0
     extrema, seen = np.empty((2 * capacity, 2 + ROWS)), 0
     column = np.empty((ROWS, 1))
     length, last_length, cut = lengths
@@ -106,7 +112,7 @@ def march(
     y, f = np.empty((ROWS, STAGES)), np.empty((ROWS, STAGES))
     arrays = change, trial, y, f, D, here
     starts[0], rounds, count, reason = start, 0, 0, GOES_ON
-    polynomial, at, scale, shortened, longest = last, cut, last_length, 0, inf
+    harmonics, polynomial, at, scale, shortened, longest = STAGES, last, cut, last_length, 0, inf
     left, events = inf, np.empty((0, 2))
     if laws[0] and not begins:
         left = _left_of_slip(E, laws, start, (D, here))
@@ -115,14 +121,14 @@ def march(
         if not length > _SHORTEST:
             reason = STUCK
             break
-        extrapolated(polynomial, at, length / scale, change)
+        extrapolated(polynomial, harmonics, at, length / scale, change)
         spent = collocate(E, laws, starts[count], core, length, arrays, (along, stiff))
         rounds += abs(spent)
         if spent < 0 and laws[0] and alone and not stiff:
-            stiff = True
+            stiff, slow = True, np.hypot(starts[count, U1], starts[count, U2]) / length
             continue
         if spent < 0 and alone and shortened < _MOST_SHORTER:
-            shortened += 1
+            shortened, refused = shortened + 1, refused + 1
             length /= 2
             longest = length
             continue
@@ -130,16 +136,16 @@ def march(
             length *= 2**shortened
             reason = STUCK
             break
-        longest *= _RELAXED
+        longest *= _FREED if spent <= _EASY and refused < _TRIES else _RELAXED
         shortened = 0
         tail, present = tail_of(E, starts[count], trial)
         if tail > _RESOLVED:
             # what was too long is the guess of what is shorter
-            polynomial, at, scale = trial.copy(), 0.0, length
+            polynomial, harmonics, at, scale = trial.copy(), STAGES, 0.0, length
             length *= max(0.2, 0.8 * (_RESOLVED / tail) ** (1 / STAGES))
             continue
         series[count], taken[count] = trial, length
-        polynomial, at, scale = series[count], 1.0, length
+        polynomial, harmonics, at, scale = series[count], present, 1.0, length
         for i in range(ROWS):
             total = 0.0
             for k in range(1, STAGES + 1, 2):
@@ -148,7 +154,7 @@ def march(
         events = located(E, laws, starts[count], trial, limits)
         for number in range(events.shape[0]):
             kind = events[number, 0]
-            if pauses or kind not in (MINIMUM, MAXIMUM):
+            if seen + number >= passes or kind not in (MINIMUM, MAXIMUM):
                 reason = LOOK
         if events.shape[0] > extrema.shape[0] - seen:
             reason = LOOK
@@ -162,11 +168,14 @@ def march(
         count += 1
         grown = 0.9 * length * (_RESOLVED / max(tail, _NOISE)) ** (1 / STAGES)
         # a tail of round-off says that more is to be had: how much, the harmonics before it say
-        more = min(_MORE, max(1.0, _USED * STAGES / present)) * length
+        more = _USED * np.exp(_FALL * (1 / (present + 1) - 1 / (STAGES - 1)))
+        more = min(_MORE, max(1.0, more)) * length
         length = min(more if tail < _NOISE else min(grown, _LONGEST), longest)
         if laws[0]:
             left = _left_of_slip(E, laws, starts[count], (D, here))
             speed = np.hypot(starts[count, U1], starts[count, U2])
+            # friction turns with a slip the less the faster it is
+            stiff = stiff and speed < _FASTER * slow * length
             if reason == GOES_ON and (left <= _STOPPED or (speed <= _STOPPED and left < inf)):
                 reason = STOPS
     done = starts[: count + 1], series[:count], taken[:count]

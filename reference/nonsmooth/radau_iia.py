@@ -80,7 +80,12 @@ def basis(c: Floats) -> Floats:
 
     What they are a basis of is a change: nothing at the start, not even round-off.
     """
-    return np.asarray(chebyshev.chebvander(2 * np.asarray(c) - 1, STAGES) - AT_START)
+    x = 2 * np.asarray(c) - 1
+    waves = np.empty((STAGES + 1, x.size))
+    waves[0], waves[1] = 1.0, x
+    for k in range(2, STAGES + 1):
+        waves[k] = waves[k - 1] * (2 * x) - waves[k - 2]
+    return np.asarray(waves.T - AT_START)
 
 
 @lru_cache(maxsize=8)

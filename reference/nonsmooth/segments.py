@@ -1,7 +1,7 @@
 """Dense output of the hybrid integrator: pieces, each a polynomial in the time of the rim."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,38 +78,50 @@ class Segment:
 
 def phases_of(pieces: Sequence[Segment], end_times: Sequence[float]) -> tuple[Phase, ...]:
     """Return the phases of sticking and slipping of pieces that end at given times."""
-    phases: list[Phase] = []
-    for piece, end in zip(pieces, end_times, strict=False):
-        kind = piece.mode.kind
-        if phases and phases[-1].kind is kind:
-            phases[-1] = replace(phases[-1], end=end)
-        else:
-            phases.append(Phase(kind=kind, start=float(piece.start[TIME]), end=end))
-    return tuple(phases)
+    slips = [piece.mode.slips for piece in pieces]
+    firsts = [n for n, slip in enumerate(slips) if n == 0 or slip is not slips[n - 1]]
+    lasts = [*(first - 1 for first in firsts[1:]), len(slips) - 1]
+    return tuple(
+        Phase(
+            kind=pieces[first].mode.kind,
+            start=float(pieces[first].start[TIME]),
+            end=end_times[last],
+        )
+        for first, last in zip(firsts, lasts, strict=False)
+    )
 
 
 class SegmentsPath:
-    """A sequence of pieces, with or without the contact point and the works."""
+    """A sequence of pieces up to a time, with or without the contact point and the works."""
 
-    def __init__(self, pieces: Sequence[Segment], equations: Equations, *, locus: bool) -> None:
+    def __init__(
+        self, pieces: Sequence[Segment], equations: Equations, end: float, *, locus: bool
+    ) -> None:
         self.pieces = tuple(pieces)
         self._equations = equations
         self._locus = locus
-        self._starts = np.stack([piece.start for piece in pieces])
-        self._coefficients = np.stack([piece.coefficients for piece in pieces])
+        self._starts = np.array([piece.start for piece in pieces])
+        self._coefficients = np.array([piece.coefficients for piece in pieces])
         self._cuts = np.array([piece.cut for piece in pieces])
         # the time goes on over each switch
-        self.end_times = [*self._starts[1:, TIME].tolist(), float(pieces[-1].end[TIME])]
+        self.end_times = [*self._starts[1:, TIME].tolist(), end]
         self._spans = np.array(self.end_times) - self._starts[:, TIME]
-        modes = [piece.mode for piece in pieces]
-        self._modes = list(dict.fromkeys(modes))
-        self._mode = np.array([self._modes.index(mode) for mode in modes])
+        self._modes: list[Mode] = []
+        numbers: list[int] = []
+        for piece, before in zip(pieces, (None, *pieces), strict=False):
+            if before is not None and piece.mode is before.mode:
+                numbers.append(numbers[-1])
+                continue
+            if piece.mode not in self._modes:
+                self._modes.append(piece.mode)
+            numbers.append(self._modes.index(piece.mode))
+        self._mode = np.array(numbers)
         self.t_end = self.end_times[-1]
 
     def rows(self, times: Floats) -> tuple[Floats, NDArray[np.intp]]:
         """Return all rows at the given times, shape (13, n), and in which piece each is."""
         number = np.searchsorted(self._starts[:, TIME], times, side="right") - 1
-        number = np.clip(number, 0, len(self._cuts) - 1)
+        number = np.minimum(np.maximum(number, 0), len(self._cuts) - 1)
         if isinstance(self._equations, CompiledEquations):
             from reference.nonsmooth import path_kernels
 
@@ -194,12 +206,7 @@ class SegmentsPath:
 
     def _states(self, y: Floats, number: NDArray[np.intp]) -> States:
         slips = np.array([mode.slips for mode in self._modes])[self._mode[number]]
-        begins = bool(np.any(slips & (y[U1] == 0) & (y[U2] == 0)))
-        if (
-            isinstance(self._equations, CompiledEquations)
-            and not self._equations.resistance
-            and not begins
-        ):
+        if isinstance(self._equations, CompiledEquations) and not self._equations.resistance:
             return self._compiled_states(self._equations, y, slips, number)
         at = Angles.of(y[LEAN])
         psi_dot = y[W1] / at.S
@@ -238,9 +245,17 @@ class SegmentsPath:
         from reference.nonsmooth import path_kernels
 
         turns = np.array([mode.turns for mode in self._modes])[self._mode[number]]
+        begins = np.flatnonzero(slips & (y[U1] == 0) & (y[U2] == 0))
+        begun = y
+        for index, mode in enumerate(self._modes) if begins.size else ():
+            own = begins[self._mode[number[begins]] == index]
+            begun = y.copy() if begun is y else begun
+            begun[:, own] = self._begun(y[:, own], number[own], mode)
         rows = path_kernels.states_of(
-            equations.constants, slips.astype(int), turns, np.ascontiguousarray(y)
+            equations.constants, slips.astype(int), turns, np.ascontiguousarray(begun)
         )
+        # what begins has a direction, and no velocity yet
+        rows[7:9, begins] = 0.0
         phi, phi_dot, psi, psi_dot, theta, theta_dot, spin = rows[:7]
         return States(
             phi=phi,
@@ -259,14 +274,14 @@ class SegmentsPath:
     def _begun(self, y: Floats, number: NDArray[np.intp], mode: Mode) -> Floats:
         """Return states with the direction of a slip or rolling that begins at this instant."""
         if self._equations.resistance and not mode.rests and (resting := stands(y)).any():
-            ahead = self._coefficients[number[resting]] @ basis(np.array([AHEAD]))[0]
+            ahead = self._coefficients[number[resting]] @ basis_at((AHEAD,))[0]
             level = to_level(ahead.T[TURN], Angles.of(y[LEAN, resting]))[:2]
             y = y.copy()
             y[:, resting] = rolled(y[:, resting], level / np.hypot(*level))
         still = np.flatnonzero(np.hypot(y[U1], y[U2]) == 0)
         if not mode.slips or not still.size:
             return y
-        ahead = self._coefficients[number[still]][:, [U1, U2]] @ basis(np.array([AHEAD]))[0]
+        ahead = self._coefficients[number[still]][:, [U1, U2]] @ basis_at((AHEAD,))[0]
         begun = y.copy()
         begun[[U1, U2], still[:, None]] = ahead
         return begun

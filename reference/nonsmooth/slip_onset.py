@@ -194,7 +194,8 @@ def _growing(
     _, across, contact = _yielding(equations, y, mode, rest, ASIDE + 2 * np.pi * steps)
     angles = ASIDE + _roots(across)
     # the same for every direction, but for round-off
-    falls = bool(np.median(contact.force[2] * contact.normal_mobility) > 0)
+    pulls = np.sort(contact.force[2] * contact.normal_mobility)
+    falls = bool(pulls[SAMPLES // 2 - 1] + pulls[SAMPLES // 2] > 0)
     if not angles.size:
         return (), 0, falls
     along, _, contact = _yielding(equations, y, mode, rest, angles)
@@ -227,6 +228,12 @@ def _roots(values: Floats) -> Floats:
         At equal distances from 0 on.
     """
     c0, c1, c2 = np.fft.rfft(values)[:3]
-    z = np.roots([c2, c1, c0, np.conj(c1), np.conj(c2)])
+    if c2 == 0:
+        z = np.roots([c1, c0, np.conj(c1)])
+    else:
+        companion = np.diag(np.ones(3, complex), -1)
+        companion[0] = -np.array([c1, c0, np.conj(c1), np.conj(c2)]) / c2
+        z = np.linalg.eigvals(companion)
     angles = np.sort(np.angle(z[np.abs(np.abs(z) - 1) < ON_CIRCLE]))
-    return angles[np.diff(angles, prepend=-np.inf) > ON_CIRCLE]
+    apart = np.append(True, angles[1:] - angles[:-1] > ON_CIRCLE)
+    return np.asarray(angles[apart[: angles.size]])

@@ -22,9 +22,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.equations.contact_laws import Equations, Mode
+from reference.equations.contact_laws import Contact, Equations, Mode
 from reference.equations.state_vector import SLIP, TURN, U1, U2, W2
-from reference.nonsmooth.level_spin import with_level
+from reference.nonsmooth.level_spin import level_turning, with_level
 from reference.nonsmooth.radau_iia import integrator
 from reference.nonsmooth.slip_onset import (
     LEAN_OF_CAN,
@@ -69,6 +69,12 @@ class ModeTransition:
         """Return whether a slip or a rolling begins from rest."""
         return self.slip is not None or self.roll is not None
 
+    def keeps_direction(self, y: Floats) -> bool:
+        """Return whether what begins still moves, in a state soon after, in its direction."""
+        along = self.slip is None or float(y[SLIP] @ self.slip.direction) > 0
+        level = level_turning(y[:, None])[:, 0]
+        return along and (self.roll is None or float(level @ self.roll.direction) > 0)
+
     def infinitesimal(self, y: Floats) -> Floats:
         """Return the state, shape (13, 1), in which each beginning motion is infinitely slow."""
         column = y[:, None]
@@ -94,19 +100,21 @@ def begin(equations: Equations, y: Floats, mode: Mode) -> ModeTransition:
 
 def settled(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
     """Release holds beyond their limits until the others hold, if the plane can push so."""
+    contact = None
     while now.ending is None:
-        then = _give_way(equations, y, now)
-        if then == now:
+        contact = equations.contact(now.infinitesimal(y), now.mode)
+        then = _give_way(equations, y, now, contact)
+        if then is now or then == now:
             break
         now = then
     if now.slip and now.roll and now.ending is None:
-        now = _agree(equations, y, now)
+        now, contact = _agree(equations, y, now), None
     if now.ending is not None or equations.bilateral_normal:
         return now
-    contact = equations.contact(now.infinitesimal(y), now.mode)
-    return replace(
-        now, ending=_impossible(float(contact.force[2, 0]), float(contact.normal_mobility[0]))
-    )
+    if contact is None:
+        contact = equations.contact(now.infinitesimal(y), now.mode)
+    ending = _impossible(float(contact.force[2, 0]), float(contact.normal_mobility[0]))
+    return now if ending is None else replace(now, ending=ending)
 
 
 def begin_slip(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
@@ -129,8 +137,10 @@ def begin_roll(equations: Equations, y: Floats, now: ModeTransition) -> ModeTran
 
 def straight_on(equations: Equations, y: Floats, now: ModeTransition, ahead: Floats) -> Floats:
     """Return a linear guess of the change of a state, shape (13, n), after sigma, shape (n,)."""
-    column = replace(now, slip=None).infinitesimal(y)
-    sticking = replace(now.mode, slips=now.mode.slips and now.slip is None)
+    column, sticking = y[:, None], now.mode
+    if now.at_once:
+        column = replace(now, slip=None).infinitesimal(y)
+        sticking = replace(now.mode, slips=now.mode.slips and now.slip is None)
     guess = equations.rates(column, sticking) * ahead
     if now.roll is not None:
         others = replace(now, roll=None, mode=replace(now.mode, rests=True))
@@ -186,9 +196,10 @@ def turning(equations: Equations, column: Floats, mode: Mode) -> Mode:
     return replace(mode, turns=int(-np.sign(needed)))
 
 
-def _give_way(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
-    """Release one motion that is held beyond its limit."""
-    contact = equations.contact(now.infinitesimal(y), now.mode)
+def _give_way(
+    equations: Equations, y: Floats, now: ModeTransition, contact: Contact
+) -> ModeTransition:
+    """Release one motion that is held beyond its limit, given the contact as it is."""
     may_slip = not now.mode.slips and np.isfinite(equations.mu)
     if may_slip and contact.force[2, 0] <= 0:
         return begin_slip(equations, y, now)

@@ -42,6 +42,20 @@ def jit(function: F) -> F:
     ModuleNotFoundError
         If numba is not installed.
     """
+    return _compiled(function, inlined=False)
+
+
+def inlined(function: F) -> F:
+    """Return the same as `jit`, made part of each kernel that calls the function.
+
+    For algebra in numbers: a loop over a call is one instruction for several columns only where the
+    call is gone. It is compiled once more with each caller.
+    """
+    return _compiled(function, inlined=True)
+
+
+def _compiled(function: F, *, inlined: bool) -> F:
+    """Return a function that numba compiles when it is first called."""
     if not available():
         message = "compiled kernels need numba: pip install 'rockingcan[fast]'"
         raise ModuleNotFoundError(message, name="numba")
@@ -50,7 +64,9 @@ def jit(function: F) -> F:
     config: Any = numba.config
     own = config.CACHE_DIR
     config.CACHE_DIR = _folder(own)
-    compile_first = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=False)
+    compile_first = numba.njit(
+        cache=True, nogil=True, error_model="numpy", fastmath=False, forceinline=inlined
+    )
     try:
         return cast("F", compile_first(function))
     finally:

@@ -1,7 +1,7 @@
 """Compiled code gives what numpy gives: contact and rates to a few eps, motions to round-off."""
 
 import json
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +31,7 @@ from reference.equations.compiled_equations import (
 )
 from reference.equations.contact_laws import Mode
 from reference.equations.newton_euler import GeneralEquations
+from reference.equations.state_vector import U1, U2, W1, W2, W3
 from tests.support.compiled import needs_numba
 
 GOLDEN = json.loads((Path(__file__).parent / "golden" / "golden.json").read_text())
@@ -49,6 +50,21 @@ EVERYTHING = Effects(
     rolling_resistance=0.002,
     gravity=Gravity(constant=TILT, amplitude=(0.05, 0.0, 0.1), rate=3.0, phase=0.3),
 )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Windy(Effects):
+    """Effects with one that no kernel carries."""
+
+    wind: float = 0.0
+
+
+@needs_numba
+@pytest.mark.parametrize(("wind", "method"), [(0.0, "half-period, compiled"), (1.0, "half-period")])
+def test_effects_that_no_kernel_carries_are_computed_in_numpy(wind: float, method: str) -> None:
+    problem = replace(GENTLE, duration=0.1, effects=Windy(mu=0.3, wind=wind))
+    assert CompiledEquations.know(problem.effects) == (wind == 0)
+    assert solve(problem, compiled=True).method == method
 
 
 @needs_numba
@@ -85,7 +101,7 @@ def test_contact_and_rates_are_those_of_numpy(
 @needs_numba
 @pytest.mark.parametrize("slips", [False, True])
 def test_a_rim_without_moments_of_friction_needs_fewer_equations(*, slips: bool) -> None:
-    from reference.equations import kernels  # noqa: PLC0415 - numba comes with it
+    from reference.equations import kernels, rim_kernels  # noqa: PLC0415 - numba comes with them
 
     effects = replace(EVERYTHING, drilling=0.0, rolling_resistance=0.0)
     plain = GeneralEquations(parameters=PAPER_CAN, effects=effects)
@@ -99,6 +115,13 @@ def test_a_rim_without_moments_of_friction_needs_fewer_equations(*, slips: bool)
         assert np.abs(here[TURNING:SLIPPING] - theirs.turning[:, j]).max() < 64 * EPS
         assert np.abs(here[SLIPPING:MOBILITY] - theirs.slipping[:, j]).max() < 64 * EPS
         assert not slips or abs(here[MOBILITY] - theirs.normal_mobility[j]) < 64 * EPS
+    rows, rates, of_rim = (
+        [W1, W2, W3, U1, U2],
+        plain.rates(y, Mode(slips=slips)),
+        np.empty((13, 16)),
+    )
+    rim_kernels.rim_rates(constants, slips, y, np.empty(rim_kernels.WORK_ROWS * 16), of_rim)
+    assert np.abs(of_rim[rows] - rates[rows]).max() < 64 * EPS
 
 
 @needs_numba
