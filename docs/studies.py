@@ -6,6 +6,8 @@ import math
 import pandas as pd
 
 from docs.formatting import BASELINE, ENGINES, csv, digits, markdown
+from harness.studies.tolerance.design import SUITES
+from models.catalogue import hard_names
 
 _PROFILES = {"default": "as it ships", "matched": "matched", "adaptive": "adaptive"}
 
@@ -64,10 +66,18 @@ def tolerance() -> dict[str, str]:
         *("changes nothing", "loses the motion", "not judged"),
     )
     runs, ladders = csv("tolerance/delivered.csv"), csv("tolerance/ladders.csv")
+    cases = set(ladders["scene"])
+    left_out = [f"`{name}`" for name in hard_names() if name not in cases]
+    paid = runs["case"].notna()
     return {
         "table": markdown(head, rows, words=2),
-        "runs": f"{len(runs):,}",
-        "cases": str(ladders["scene"].nunique()),
+        "runs": f"{paid.sum():,}",
+        "unpaid": f"{(~paid).sum():,}",
+        "most_steps": f"{SUITES['full'].most_steps:,.0f}",
+        "cases": str(len(cases)),
+        "hard": str(len(cases & set(hard_names()))),
+        "of_hard": str(len(hard_names())),
+        "left_out": ", ".join(left_out),
     }
 
 
