@@ -44,7 +44,7 @@ _KINDS = ("honest", "delivers_more_than_asked", "always_to_round-off")
 
 def tolerance() -> dict[str, str]:
     """Return for each setting that asks for an accuracy what it delivers on hard cases."""
-    table = csv("tolerance/settings.csv")
+    table = pd.concat([csv("tolerance/settings.csv"), csv("tolerance-drake/settings.csv")])
     judged = table.set_index("setting")
     rows = [
         (
@@ -65,7 +65,8 @@ def tolerance() -> dict[str, str]:
         *("setting", "asked", "slope", "worst factor", "level, rad", "keeps it", "does not"),
         *("changes nothing", "loses the motion", "not judged"),
     )
-    runs, ladders = csv("tolerance/delivered.csv"), csv("tolerance/ladders.csv")
+    runs = pd.concat([csv("tolerance/delivered.csv"), csv("tolerance-drake/delivered.csv")])
+    ladders = csv("tolerance/ladders.csv")
     cases = set(ladders["scene"])
     left_out = [f"`{name}`" for name in hard_names() if name not in cases]
     paid = runs["case"].notna()
