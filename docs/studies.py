@@ -44,7 +44,7 @@ _KINDS = ("honest", "delivers_more_than_asked", "always_to_round-off")
 
 def tolerance() -> dict[str, str]:
     """Return for each setting that asks for an accuracy what it delivers on hard cases."""
-    table = csv("tolerance/settings.csv")
+    table = pd.concat([csv("tolerance/settings.csv"), csv("tolerance-drake/settings.csv")])
     judged = table.set_index("setting")
     rows = [
         (
@@ -65,14 +65,14 @@ def tolerance() -> dict[str, str]:
         *("setting", "asked", "slope", "worst factor", "level, rad", "keeps it", "does not"),
         *("changes nothing", "loses the motion", "not judged"),
     )
-    runs, ladders = csv("tolerance/delivered.csv"), csv("tolerance/ladders.csv")
+    ladders = csv("tolerance/ladders.csv")
+    every = pd.concat([ladders, csv("tolerance-drake/ladders.csv")])
     cases = set(ladders["scene"])
     left_out = [f"`{name}`" for name in hard_names() if name not in cases]
-    paid = runs["case"].notna()
     return {
         "table": markdown(head, rows, words=2),
-        "runs": f"{paid.sum():,}",
-        "unpaid": f"{(~paid).sum():,}",
+        "runs": f"{every['values'].sum():,}",
+        "unpaid": f"{every['unpaid'].sum():,}",
         "most_steps": f"{SUITES['full'].most_steps:,.0f}",
         "cases": str(len(cases)),
         "hard": str(len(cases & set(hard_names()))),
