@@ -111,7 +111,8 @@ def measure(name: str, what: Measured) -> None:
         place.mkdir(parents=True, exist_ok=True)
         for file in what.files:
             if file == PRINTED:
-                write_atomically(place / PRINTED, out_file.read_bytes())
+                printed = out_file.read_bytes().replace(str(out).encode(), b"{out}")
+                write_atomically(place / PRINTED, printed)
             else:
                 keep(out / file, place / Path(file).name)
     made = {"command": what.command, "took": took, **provenance().to_dict()}
