@@ -114,7 +114,8 @@ def measure(name: str, what: Measured) -> None:
         place.mkdir(parents=True, exist_ok=True)
         for file in what.files:
             if file == PRINTED:
-                write_atomically(place / PRINTED, out_file.read_bytes())
+                printed = out_file.read_bytes().replace(str(out).encode(), b"{out}")
+                write_atomically(place / PRINTED, printed)
             elif file == ROWS:
                 parts = [pd.read_parquet(part) for part in sorted((out / "parts").iterdir())]
                 write_atomically(place / ROWS, pd.concat(parts).to_csv(index=False).encode())

@@ -6,6 +6,8 @@ import math
 import pandas as pd
 
 from docs.formatting import BASELINE, ENGINES, csv, digits, markdown
+from harness.studies.tolerance.design import SUITES
+from models.catalogue import hard_names
 
 _PROFILES = {"default": "as it ships", "matched": "matched", "adaptive": "adaptive"}
 
@@ -42,7 +44,7 @@ _KINDS = ("honest", "delivers_more_than_asked", "always_to_round-off")
 
 def tolerance() -> dict[str, str]:
     """Return for each setting that asks for an accuracy what it delivers on hard cases."""
-    table = csv("tolerance/settings.csv")
+    table = pd.concat([csv("tolerance/settings.csv"), csv("tolerance-drake/settings.csv")])
     judged = table.set_index("setting")
     rows = [
         (
@@ -63,11 +65,19 @@ def tolerance() -> dict[str, str]:
         *("setting", "asked", "slope", "worst factor", "level, rad", "keeps it", "does not"),
         *("changes nothing", "loses the motion", "not judged"),
     )
-    runs, ladders = csv("tolerance/delivered.csv"), csv("tolerance/ladders.csv")
+    ladders = csv("tolerance/ladders.csv")
+    every = pd.concat([ladders, csv("tolerance-drake/ladders.csv")])
+    cases = set(ladders["scene"])
+    left_out = [f"`{name}`" for name in hard_names() if name not in cases]
     return {
         "table": markdown(head, rows, words=2),
-        "runs": f"{len(runs):,}",
-        "cases": str(ladders["scene"].nunique()),
+        "runs": f"{every['values'].sum():,}",
+        "unpaid": f"{every['unpaid'].sum():,}",
+        "most_steps": f"{SUITES['full'].most_steps:,.0f}",
+        "cases": str(len(cases)),
+        "hard": str(len(cases & set(hard_names()))),
+        "of_hard": str(len(hard_names())),
+        "left_out": ", ".join(left_out),
     }
 
 
@@ -116,6 +126,7 @@ def gradients() -> dict[str, str]:
         right = adaptive["right_from"].notna().groupby(adaptive["key"]).all()
         facts[f"{short}_right"] = f"{right.sum()} of {len(right)}"
     facts["settings"] = _settings(csv("gradients-gentle/gentle-rock-settings.csv"))
+    facts["chaos"] = _chaos(csv("gradients-chaos/chaotic-can-phi.csv"))
     facts["autodiff"] = _autodiff(csv("gradients-autodiff/gentle-rock-own.csv"))
     return facts
 
@@ -236,3 +247,36 @@ def _columns(by: pd.DataFrame) -> list[str]:
 def _share(error: float) -> str:
     """Return a relative error in percent, or a dash where there is none."""
     return "-" if math.isnan(error) else f"{digits(100.0 * error, 2)} %"
+
+
+def _chaos(table: pd.DataFrame) -> str:
+    """Return the exact growth along the chaotic motion, and what MuJoCo says of it."""
+    of = table[table["key"] == "release.phi"]
+    fixed, adaptive, truth = (
+        of[(of["engine"] == engine) & (of["profile"] == profile)]
+        for engine, profile in (
+            ("mujoco", "matched"),
+            ("mujoco", "adaptive"),
+            ("reference", "matched"),
+        )
+    )
+    finest = fixed[fixed["timestep_s"] == fixed["timestep_s"].min()].set_index("time_s")
+    moving = adaptive.set_index("time_s")
+    rows = [
+        (
+            f"{row['time_s']:g}",
+            f"{row['growth']:.3g}",
+            f"{row['right_to']:.0e}",
+            _share(finest.loc[row["time_s"], "settled_error"]),
+            _share(moving.loc[row["time_s"], "settled_error"]),
+        )
+        for _, row in truth.iterrows()
+    ]
+    head = (
+        "time, s",
+        "growth, rad",
+        "longest right step",
+        "MuJoCo, fixed step",
+        "MuJoCo, adaptive",
+    )
+    return markdown(head, rows, words=0)

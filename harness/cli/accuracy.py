@@ -20,7 +20,8 @@ from models.catalogue import load
 @run_options.with_run_options
 def tolerance(
     suite: Annotated[
-        str, typer.Option(help="quick: about two minutes; full: every decade and hard case.")
+        str,
+        typer.Option(help="quick: about two minutes; full: every decade and hard case, about ten."),
     ] = "quick",
     engine: options.EngineNames = None,
     out: options.ReplacedFolder = Path("reports/tolerance"),

@@ -322,12 +322,12 @@ def check_same(out: Path, plan: SweepPlan) -> None:
     if not (out / PLAN).exists():
         _check_without_plan(out, plan)
         return
-    here, there = plan.to_dict(), _read(out)
+    here, there = plan.to_dict(), {"reduce": False, **_read(out)}  # which older plans do not say
     differing = [key for key in here | there if here.get(key) != there.get(key)]
     if differing and set(differing) <= _OF_THE_PROGRAM:
         raise ProgramMismatchError(out, _other_program(here[_PROGRAM], there.get(_PROGRAM)))
-    if here["reduce"] != there.get("reduce", False):
-        words = "with --reduce, so without rows" if there.get("reduce") else "with rows"
+    if here["reduce"] != there["reduce"]:
+        words = "with --reduce, so without rows" if there["reduce"] else "with rows"
         raise RowsMismatchError(out, words)
     if differing:
         named = [f"{key} ({there.get(key)!r:.200} there)" for key in differing if key != "scene"]

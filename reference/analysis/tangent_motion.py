@@ -279,7 +279,16 @@ def motion_tangents(problem: Problem) -> tuple[tuple[str, ...], dict[str, Jet], 
 
 
 def tangent_motion(problem: Problem, path: SegmentsPath, by: tuple[str, ...]) -> TangentMotion:
-    """Return the motion along a path beside which those of changed numbers are carried."""
+    """Return a motion that was solved with its derivatives along all of it.
+
+    Parameters
+    ----------
+    problem : Problem
+    path : SegmentsPath
+        Of its solution by the general model.
+    by : tuple of str
+        The names `BY` and the constants of its effects.
+    """
     equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
     varied = tuple(stepped(problem, name) for name in by[by.index("a") :])
     fixed = len(by) - len(varied)

@@ -17,7 +17,15 @@ import numpy as np
 from reference.compliant.equations import DEPTH, RISE, ROWS, CompliantEquations
 from reference.equations.contact_laws import Mode
 from reference.equations.newton_euler import GeneralEquations
-from reference.equations.state_vector import DISSIPATED, SLIP, Index, released, sizes
+from reference.equations.state_vector import (
+    DISSIPATED,
+    SLIP,
+    TIME,
+    Index,
+    released,
+    sizes,
+    tail_of,
+)
 from reference.equations.state_vector import ROWS as RIGID_ROWS
 from reference.nonsmooth.events import LOOKS, Event, EventKind, events
 from reference.nonsmooth.hybrid_integrator import LONGEST, SHORTEST, HybridIntegrator
@@ -156,7 +164,8 @@ class CompliantIntegrator(HybridIntegrator):
         return VibrationFilter(problem, fall)
 
     def _path(self, pieces: list[Segment]) -> SegmentsPath:
-        return CompliantPath(pieces, self._equations, locus=self._locus)
+        end = float(self._y[TIME])
+        return CompliantPath(pieces, self._equations, end, locus=self._locus)
 
     def _sizes(self, rows: Index, core: Floats) -> Floats:
         own = np.array([self._rest, self._pace])[:, None]
@@ -166,7 +175,9 @@ class CompliantIntegrator(HybridIntegrator):
         own = np.array([self._rest, self._pace])
         size = np.abs(self._y[RIGID_ROWS:]) + np.abs(series[RIGID_ROWS:]).sum(axis=1)
         tail = np.abs(series[RIGID_ROWS:, -2:]).max(axis=1) / np.maximum(size, own)
-        return max(super()._tail(series[:RIGID_ROWS]), float(tail.max()))
+        resisted = self._equations.resistance > 0
+        rigid = tail_of(self._y[:RIGID_ROWS], series[:RIGID_ROWS], resisted=resisted)
+        return max(rigid, float(tail.max()))
 
     def _step(self) -> Segment | None:
         """Take a step that does not go on for long where the plane would have to pull.

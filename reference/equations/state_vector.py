@@ -31,6 +31,9 @@ FLOOR = 1e-12
 # Below this the square of a slip is no number any more.
 LEAST_SLIP = np.finfo(float).tiny ** 0.25
 
+# Of the velocities, or of forces of size 1: a part smaller than this share has their round-off.
+QUIET = 1e-3
+
 Index = NDArray[np.intp]
 
 
@@ -79,6 +82,32 @@ def sizes(rows: Index, y: Floats) -> Floats:
     if rows[-1] == U2:
         size[-2:] = np.maximum(np.hypot(y[-2], y[-1]), LEAST_SLIP)
     return size
+
+
+def tail_of(start: Floats, series: Floats, *, resisted: bool) -> float:
+    """Return the last two coefficients of a step, shape (13, n), over the size of its rows.
+
+    Parameters
+    ----------
+    start : ndarray, shape (13,)
+    series : ndarray, shape (13, n)
+        Chebyshev's, of the change since the start.
+    resisted : bool
+        Whether rolling meets resistance.
+    """
+    size = np.abs(start) + np.abs(series).sum(axis=1)
+    size[LEAN] = 1.0
+    size[SLIP] = np.hypot(*size[SLIP])
+    size = np.maximum(size, 1e-9 * size.max())
+    # of a part of the angular velocity that is zero there is only the noise of the others
+    size[TURN] = np.maximum(size[TURN], QUIET * size[TURN].max())
+    # a slip has the round-off of all velocities; how well its direction is known shows in what
+    # the friction does to them
+    size[SLIP] = np.maximum(size[SLIP], QUIET * max(1.0, size[TURN].max()))
+    if resisted:
+        # where it all but holds the can, moments of size 1 leave their round-off
+        size[TURN] = np.maximum(size[TURN], QUIET)
+    return float((np.abs(series[:, -2:]).max(axis=1) / size).max())
 
 
 def phi_of(lean: float) -> float:

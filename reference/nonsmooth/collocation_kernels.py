@@ -20,6 +20,7 @@ from reference.equations.state_vector import (
     LEAN,
     LEAST_SLIP,
     PSI,
+    QUIET,
     ROWS,
     TIME,
     TOTAL,
@@ -30,7 +31,7 @@ from reference.equations.state_vector import (
     W3,
     Index,
 )
-from reference.nonsmooth.hybrid_integrator import QUIET, RESOLVED
+from reference.nonsmooth.hybrid_integrator import RESOLVED
 from reference.nonsmooth.radau_iia import (
     ALMOST,
     HOPELESS,
@@ -50,6 +51,8 @@ _MOST, _PATIENCE = 30, 8
 # A change this small that shrinks as the last two did leaves less than this to the next round: a
 # third of what stands, for it is foreseen and not seen.
 _NEAR, _FORESEEN = 1e-6, STANDS / 3
+# Of the angular velocity: changes of parts that are smaller are measured against this share.
+_PART = 1e-3
 # A round of a stiff slip that leaves more than this of the last one's change is worth a new matrix.
 _SLOWLY = 0.3
 # Imaginary step of a slip, over its speed: nothing is subtracted.
@@ -219,7 +222,7 @@ def collocate(
         for i in range(ROWS):
             for j in range(STAGES):
                 y[i, j] = start[i] + change[i, j]
-        _sizes(y, size)
+        _sizes(y, size, stiff)
         if moments:
             evaluate(E, laws, y, f, work, stands)
         else:
@@ -294,8 +297,12 @@ def collocate(
 
 
 @jit
-def _sizes(y: Floats, size: Floats) -> None:
-    """Write the size of each row, as `state_vector.sizes` and `radau_iia.step` measure it."""
+def _sizes(y: Floats, size: Floats, stiff: bool) -> None:
+    """Write the size of each row, as `state_vector.sizes` and `radau_iia.step` measure it.
+
+    But a part of the angular velocity that is next to zero has the round-off of the others, and a
+    slip, unless its direction is stiff, that of all: what stands is still less than a tenth of it.
+    """
     size[:] = 1.0
     largest = 0.0
     for i in (W1, W2, W3):
@@ -304,12 +311,12 @@ def _sizes(y: Floats, size: Floats) -> None:
             size[i] = max(size[i], abs(y[i, j]))
         largest = max(largest, size[i])
     for i in (W1, W2, W3):
-        size[i] = max(size[i], _FLOOR * (1 + largest))
+        size[i] = max(size[i], _FLOOR * (1 + largest), _PART * largest)
     slip = _LEAST_SLIP
     square = slip * slip
     for j in range(STAGES):
         square = max(square, y[U1, j] * y[U1, j] + y[U2, j] * y[U2, j])
-    size[U1] = size[U2] = np.sqrt(square)
+    size[U1] = size[U2] = np.sqrt(square) if stiff else max(np.sqrt(square), _PART * largest)
     for i in range(ROWS):
         size[i] = max(size[i], _LEAST)
 

@@ -10,6 +10,7 @@ Needs numba (`reference.numerics.compiled`).
 import numpy as np
 
 from reference.equations.compiled_equations import CompiledEquations, laws_of
+from reference.equations.contact_laws import Mode
 from reference.equations.state_vector import LEAN, ROWS, TIME, phi_of, released
 from reference.nonsmooth import event_kernels, kernels
 from reference.nonsmooth.events import compiled_events
@@ -55,6 +56,9 @@ class CompiledIntegrator(HybridIntegrator):
         """Return how many evaluations the motion may call for."""
         return MOST_WORK * ROUNDS_A_UPDATE
 
+    def _end(self, piece: Segment) -> Floats:
+        return self._state_at(piece, piece.cut)
+
     def _state_at(self, piece: Segment, c: float) -> Floats:
         """Return the state, shape (13,), at one place of a step."""
         column = np.empty((ROWS, 1))
@@ -85,8 +89,8 @@ class CompiledIntegrator(HybridIntegrator):
             (min(self._length, self._left()) if resisted else self._length, scale, cut),
             polynomial,
             (self.watch.t_end, equations.bilateral_normal),
-            (1 if resisted or now.at_once else STEPS_A_MARCH, most // STAGES + 1),
-            (self._locus, self._counts, now.at_once),
+            (1 if resisted else STEPS_A_MARCH, most // STAGES + 1),
+            (self._locus, self._passes(), now.at_once),
         )
         self._evaluations += rounds * STAGES
         if now.at_once and (
@@ -94,31 +98,50 @@ class CompiledIntegrator(HybridIntegrator):
         ):
             self._length = before
             return False
-        count = len(taken)
-        for number, length in enumerate(taken.tolist()):
-            piece = Segment(
-                start=starts[number],
-                coefficients=series[number],
-                cut=1.0,
-                length=length,
-                mode=mode,
-            )
-            if resisted or now.at_once or (reason == kernels.LOOK and number == count - 1):
-                self._see(piece, compiled_events(met))
-                return True
-            self._pieces.append(piece)
-            passed = extrema[extrema[:, 0] == number]
-            self._pass(starts[number + 1], passed)
-            if self.watch.ended():
-                return True
+        self._now = ModeTransition(mode=mode)
+        seen = resisted or reason == kernels.LOOK
+        marched = starts, series, taken, extrema
+        if self._report_march(marched, mode, met if seen else None):
+            return True
         if reason == kernels.STOPS:
             self._halt()
         return reason != kernels.STUCK
 
-    def _pass(self, end: Floats, extrema: Floats) -> None:
-        """Report the extrema of phi of a step of the march, and continue from its end."""
-        for extremum in extrema:
-            self._report(extremum[2:], maximum=bool(extremum[1] == kernels.MAXIMUM))
-        self._y = end
-        if self._counts:
-            self.watch.advance(float(end[TIME]), phi_of(float(end[LEAN])))
+    def _report_march(
+        self,
+        marched: tuple[Floats, Floats, Floats, Floats],
+        mode: Mode,
+        met: Floats | None,
+    ) -> bool:
+        """Take over compiled steps; return whether the motion has ended or changed its law.
+
+        With the events of the last step, where these have to be looked at.
+        """
+        starts, series, taken, extrema = marched
+        times, leans = starts[:, TIME].tolist(), starts[:, LEAN].tolist()
+        last, seen = len(taken) - 1, 0
+        for number, length in enumerate(taken.tolist()):
+            piece = Segment(
+                start=starts[number], coefficients=series[number], cut=1.0, length=length, mode=mode
+            )
+            if met is not None and number == last:
+                self._see(piece, compiled_events(met))
+                return True
+            self._pieces.append(piece)
+            while seen < len(extrema) and extrema[seen, 0] == number:
+                maximum = bool(extrema[seen, 1] == kernels.MAXIMUM)
+                self._report(extrema[seen, 2:], maximum=maximum)
+                seen += 1
+            self._y = starts[number + 1]
+            if self._counts:
+                self.watch.advance(times[number + 1], phi_of(leans[number + 1]))
+            if self.watch.ended():
+                return True
+        return False
+
+    def _passes(self) -> int:
+        """Return how many of the next extrema of phi cannot end the motion."""
+        if not self._counts:
+            return 2 * STEPS_A_MARCH
+        # a minimum closes no bounce
+        return 1 if self.watch.last_is_prominent_maximum else 0

@@ -209,7 +209,7 @@ def _bracket(
     if least > 0 and least > _NEAR_ZERO * (largest - least):
         # no parabola through three of them comes near zero
         return 0
-    if _IS_LIMIT[kind] and v[first] <= 0 and v[first:].min() < 0:
+    if _IS_LIMIT[kind] and v[first] <= 0 and least < 0:
         brackets[count, 0], brackets[count, 1] = min(_BEGUN, _LOOKS[first]), _LOOKS[first]
         count += 1
     for j in range(first + 1, n):

@@ -18,6 +18,7 @@ from reference.equations.state_vector import LEAN, TIME, U1, U2, W2
 from reference.nonsmooth.level_spin import stands
 from reference.nonsmooth.segments import Segment
 from reference.nonsmooth.slip_onset import LEAN_OF_CAN, holding, reserve
+from reference.problem.outcome import Outcome
 from reference.problem.states import Floats
 
 LOOKS = tuple(np.linspace(0.0, 1.0, 41).tolist())
@@ -61,6 +62,15 @@ LIMITS = {
     EventKind.TURNS,
 }
 """Events that end a mode wherever their margin is negative, also at the start of a piece."""
+EXTREMA = (EventKind.MAXIMUM, EventKind.MINIMUM)
+ENDINGS = {
+    EventKind.HORIZON: Outcome.FINISHED,
+    EventKind.OVERTURNED: Outcome.OVERTURNED,
+    EventKind.FLAT: Outcome.FELL_FLAT,
+    EventKind.LIFTS: Outcome.LIFTED,
+    EventKind.JAMS: Outcome.JAMMED,
+}
+"""Why a motion ends at an event."""
 OF_THE_STATE = {
     EventKind.MAXIMUM,
     EventKind.MINIMUM,

@@ -13,17 +13,16 @@ from reference.equations.contact_laws import Equations, Mode
 from reference.equations.state_vector import (
     ALONG,
     LEAN,
-    SLIP,
     TIME,
-    TURN,
     W2,
     Index,
     released,
     sizes,
     snapshot_of,
+    tail_of,
 )
-from reference.nonsmooth.events import Event, EventKind, events
-from reference.nonsmooth.level_spin import HARDLY, level_turning
+from reference.nonsmooth.events import ENDINGS, EXTREMA, Event, EventKind, events
+from reference.nonsmooth.level_spin import HARDLY
 from reference.nonsmooth.radau_iia import (
     STAGES,
     basis,
@@ -46,7 +45,7 @@ from reference.nonsmooth.transitions import (
 )
 from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
-from reference.problem.states import Floats, States
+from reference.problem.states import Floats
 from reference.smooth.extrema import ExtremumRecorder, Run
 
 # Chebyshev coefficients of a step fall geometrically: the last two below this leave no error that
@@ -54,8 +53,6 @@ from reference.smooth.extrema import ExtremumRecorder, Run
 RESOLVED = 3e-14
 # Some round-offs: below it they say nothing of how long the next step may be.
 NOISE = 2e-15
-# Of the velocities, or of forces of size 1: a part smaller than this share has their round-off.
-QUIET = 1e-3
 # In sigma. Longer steps are mostly refused, which costs more than they save, unless the step before
 # left nothing but round-off: beside a fall that is flat for a long time they double.
 LONGEST = 8.0
@@ -70,14 +67,6 @@ SHARE = 0.8
 MOST_WORK = 200_000
 # Coefficients of a step by which the next one is guessed.
 EXTRAPOLATED = 8
-EXTREMA = (EventKind.MAXIMUM, EventKind.MINIMUM)
-ENDINGS = {
-    EventKind.HORIZON: Outcome.FINISHED,
-    EventKind.OVERTURNED: Outcome.OVERTURNED,
-    EventKind.FLAT: Outcome.FELL_FLAT,
-    EventKind.LIFTS: Outcome.LIFTED,
-    EventKind.JAMS: Outcome.JAMMED,
-}
 
 
 class HybridIntegrator:
@@ -120,22 +109,7 @@ class HybridIntegrator:
         """Integrate to the horizon or an ending, and sum up."""
         path = self.follow()
         track = self.watch.track()
-        there, seen = path.at(track.times), track.extrema
-        extrema = States(
-            phi=seen.phi,
-            phi_dot=seen.phi_dot,
-            psi=seen.psi,
-            psi_dot=seen.psi_dot,
-            theta=seen.theta,
-            theta_dot=seen.theta_dot,
-            spin=seen.spin,
-            x=there.x,
-            y=there.y,
-            slip=there.slip,
-            force=there.force,
-            gap=there.gap,
-            rise=there.rise,
-        )
+        extrema = track.extrema.with_contact(path.at(track.times))
         tops = np.flatnonzero(track.maximum)
         return Run(
             path=path,
@@ -164,7 +138,8 @@ class HybridIntegrator:
         return self._path(self._pieces or [self._standing()])
 
     def _path(self, pieces: list[Segment]) -> SegmentsPath:
-        return SegmentsPath(pieces, self._equations, locus=self._locus)
+        end = float(self._y[TIME])
+        return SegmentsPath(pieces, self._equations, end, locus=self._locus)
 
     def _stuck(self) -> Outcome:
         """Return why there is no next step."""
@@ -217,16 +192,10 @@ class HybridIntegrator:
         return False
 
     def _sets_out(self, change: Floats, rows: Index) -> bool:
-        """Return whether a slip or rolling that begins with a step keeps its admissible direction.
-
-        Of the change in the rows of the core up to the first point of the step.
-        """
+        """Return whether what begins keeps its direction up to the first point of a step."""
         y = self._y.copy()
         y[rows] += change
-        now = self._now
-        along = now.slip is None or float(y[SLIP] @ now.slip.direction) > 0
-        level = level_turning(y[:, None])[:, 0]
-        return along and (now.roll is None or float(level @ now.roll.direction) > 0)
+        return self._now.keeps_direction(y)
 
     def _left(self) -> float:
         """Return the longest step that does not pass the end of a slip or of a rolling."""
@@ -257,19 +226,8 @@ class HybridIntegrator:
         return coefficients(change)
 
     def _tail(self, series: Floats) -> float:
-        size = np.abs(self._y[: len(series)]) + np.abs(series).sum(axis=1)
-        size[LEAN] = 1.0
-        size[SLIP] = np.hypot(*size[SLIP])
-        size = np.maximum(size, 1e-9 * size.max())
-        # of a part of the angular velocity that is zero there is only the noise of the others
-        size[TURN] = np.maximum(size[TURN], QUIET * size[TURN].max())
-        # a slip has the round-off of all velocities; how well its direction is known shows in what
-        # the friction does to them
-        size[SLIP] = np.maximum(size[SLIP], QUIET * max(1.0, size[TURN].max()))
-        if self._equations.resistance:
-            # where it all but holds the can, moments of size 1 leave their round-off
-            size[TURN] = np.maximum(size[TURN], QUIET)
-        return float((np.abs(series[:, -2:]).max(axis=1) / size).max())
+        """Return the size of the last two coefficients of a step."""
+        return tail_of(self._y, series, resisted=self._equations.resistance > 0)
 
     def _guess(self, length: float) -> Floats:
         """Return a guess of the change in a step: the last step continued, or linear in time."""
@@ -301,7 +259,7 @@ class HybridIntegrator:
         if cut != 1.0:
             piece = replace(piece, cut=cut)
         self._pieces.append(piece)
-        self._y, self._now = piece.end, ModeTransition(mode=self._mode)
+        self._y, self._now = self._end(piece), ModeTransition(mode=self._mode)
         self._switch(ending)
         if self._counts and not self.watch.ended():
             phi = float(2 * np.arctan(np.exp(self._y[LEAN])))
@@ -312,6 +270,10 @@ class HybridIntegrator:
 
     def _events(self, piece: Segment) -> list[Event]:
         return events(piece, self._equations, self.watch.t_end)
+
+    def _end(self, piece: Segment) -> Floats:
+        """Return the state, shape (13,), at the cut of a step."""
+        return piece.end
 
     def _state_at(self, piece: Segment, c: float) -> Floats:
         """Return the state, shape (13,), at one place of a step."""
@@ -366,10 +328,4 @@ class HybridIntegrator:
         # what begins has its direction, though there is no step
         if self._now.at_once:
             series[:, 1] = HARDLY * self._guess(1.0)[:, -1]
-        return Segment(
-            start=self._y,
-            coefficients=series,
-            cut=1.0,
-            length=0.0,
-            mode=self._mode,
-        )
+        return Segment(start=self._y, coefficients=series, cut=1.0, length=0.0, mode=self._mode)

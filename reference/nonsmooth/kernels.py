@@ -59,7 +59,7 @@ def march(
     last: Floats,
     limits: tuple[float, bool],
     most: tuple[int, int],
-    choices: tuple[bool, bool, bool],
+    choices: tuple[bool, int, bool],
 ) -> tuple[int, float, int, Floats, Floats, Floats, Floats, Floats]:
     """Take steps until something has to be looked at.
 
@@ -77,9 +77,9 @@ def march(
         The horizon, and whether the plane may pull.
     most : tuple of int
         Steps to take, and rounds to spend.
-    choices : tuple of bool
-        Whether the place of the contact and the works are wanted, and whether an extremum of phi
-        has to be looked at; else it is reported; and whether a slip begins from rest.
+    choices : tuple
+        Whether the place of the contact and the works are wanted; how many extrema of phi are
+        reported before one has to be looked at; and whether a slip begins from rest.
 
     Returns
     -------
@@ -99,7 +99,7 @@ def march(
         Of the last step.
     """
     capacity, budget = most
-    along, pauses, begins = choices
+    along, passes, begins = choices
     alone = E[16] == 0 and E[17] == 0
     stiff, slow, refused = begins, 0.0, 0
     extrema, seen = np.empty((2 * capacity, 2 + ROWS)), 0
@@ -154,7 +154,7 @@ def march(
         events = located(E, laws, starts[count], trial, limits)
         for number in range(events.shape[0]):
             kind = events[number, 0]
-            if pauses or kind not in (MINIMUM, MAXIMUM):
+            if seen + number >= passes or kind not in (MINIMUM, MAXIMUM):
                 reason = LOOK
         if events.shape[0] > extrema.shape[0] - seen:
             reason = LOOK

@@ -77,9 +77,11 @@ class Segment:
 
 
 class SegmentsPath:
-    """A sequence of pieces, with or without the contact point and the works."""
+    """A sequence of pieces up to a time, with or without the contact point and the works."""
 
-    def __init__(self, pieces: Sequence[Segment], equations: Equations, *, locus: bool) -> None:
+    def __init__(
+        self, pieces: Sequence[Segment], equations: Equations, end: float, *, locus: bool
+    ) -> None:
         self.pieces = tuple(pieces)
         self._equations = equations
         self._locus = locus
@@ -87,7 +89,7 @@ class SegmentsPath:
         self._coefficients = np.array([piece.coefficients for piece in pieces])
         self._cuts = np.array([piece.cut for piece in pieces])
         # the time goes on over each switch
-        self.end_times = [*self._starts[1:, TIME].tolist(), float(pieces[-1].end[TIME])]
+        self.end_times = [*self._starts[1:, TIME].tolist(), end]
         self._spans = np.array(self.end_times) - self._starts[:, TIME]
         self._modes: list[Mode] = []
         numbers: list[int] = []
@@ -268,14 +270,14 @@ class SegmentsPath:
     def _begun(self, y: Floats, number: NDArray[np.intp], mode: Mode) -> Floats:
         """Return states with the direction of a slip or rolling that begins at this instant."""
         if self._equations.resistance and not mode.rests and (resting := stands(y)).any():
-            ahead = self._coefficients[number[resting]] @ basis(np.array([AHEAD]))[0]
+            ahead = self._coefficients[number[resting]] @ basis_at((AHEAD,))[0]
             level = to_level(ahead.T[TURN], Angles.of(y[LEAN, resting]))[:2]
             y = y.copy()
             y[:, resting] = rolled(y[:, resting], level / np.hypot(*level))
         still = np.flatnonzero(np.hypot(y[U1], y[U2]) == 0)
         if not mode.slips or not still.size:
             return y
-        ahead = self._coefficients[number[still]][:, [U1, U2]] @ basis(np.array([AHEAD]))[0]
+        ahead = self._coefficients[number[still]][:, [U1, U2]] @ basis_at((AHEAD,))[0]
         begun = y.copy()
         begun[[U1, U2], still[:, None]] = ahead
         return begun

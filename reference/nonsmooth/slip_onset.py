@@ -235,4 +235,5 @@ def _roots(values: Floats) -> Floats:
         companion[0] = -np.array([c1, c0, np.conj(c1), np.conj(c2)]) / c2
         z = np.linalg.eigvals(companion)
     angles = np.sort(np.angle(z[np.abs(np.abs(z) - 1) < ON_CIRCLE]))
-    return angles[np.diff(angles, prepend=-np.inf) > ON_CIRCLE]
+    apart = np.append(True, angles[1:] - angles[:-1] > ON_CIRCLE)
+    return np.asarray(angles[apart[: angles.size]])

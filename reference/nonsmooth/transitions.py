@@ -24,7 +24,7 @@ import numpy as np
 
 from reference.equations.contact_laws import Contact, Equations, Mode
 from reference.equations.state_vector import SLIP, TURN, U1, U2, W2
-from reference.nonsmooth.level_spin import stands, with_level
+from reference.nonsmooth.level_spin import level_turning, stands, with_level
 from reference.nonsmooth.radau_iia import integrator
 from reference.nonsmooth.slip_onset import (
     LEAN_OF_CAN,
@@ -69,6 +69,12 @@ class ModeTransition:
     def at_once(self) -> bool:
         """Return whether a slip or a rolling begins from rest."""
         return self.slip is not None or self.roll is not None
+
+    def keeps_direction(self, y: Floats) -> bool:
+        """Return whether what begins still moves, in a state soon after, in its direction."""
+        along = self.slip is None or float(y[SLIP] @ self.slip.direction) > 0
+        level = level_turning(y[:, None])[:, 0]
+        return along and (self.roll is None or float(level @ self.roll.direction) > 0)
 
     def infinitesimal(self, y: Floats) -> Floats:
         """Return the state, shape (13, 1), in which each beginning motion is infinitely slow."""

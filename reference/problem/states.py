@@ -42,6 +42,24 @@ class States:
     gap: Floats | None = None
     rise: Floats | None = None
 
+    def with_contact(self, there: "States") -> "States":
+        """Return these states with contact point, slip and force of others."""
+        return States(
+            phi=self.phi,
+            phi_dot=self.phi_dot,
+            psi=self.psi,
+            psi_dot=self.psi_dot,
+            theta=self.theta,
+            theta_dot=self.theta_dot,
+            spin=self.spin,
+            x=there.x,
+            y=there.y,
+            slip=there.slip,
+            force=there.force,
+            gap=there.gap,
+            rise=there.rise,
+        )
+
 
 def initial_states(problem: Problem) -> States:
     """State at release, shape (1,), without the contact point and the force of the plane."""
@@ -95,11 +113,9 @@ class Snapshot:
 
 def states_of(snapshots: Sequence[Snapshot]) -> States:
     """Stack snapshots, shape (n,)."""
-
-    def column(name: str) -> Floats:
-        return np.array([getattr(snapshot, name) for snapshot in snapshots], dtype=float)
-
-    return States(**{name: column(name) for name in Snapshot.__slots__})
+    names = Snapshot.__slots__
+    rows = np.array([[getattr(snapshot, name) for snapshot in snapshots] for name in names], float)
+    return States(**dict(zip(names, rows, strict=True)))
 
 
 def select_states(states: States, index: slice | NDArray[np.intp] | NDArray[np.bool_]) -> States:

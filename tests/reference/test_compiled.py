@@ -31,6 +31,7 @@ from reference.equations.compiled_equations import (
 )
 from reference.equations.contact_laws import Mode
 from reference.equations.newton_euler import GeneralEquations
+from reference.equations.state_vector import U1, U2, W1, W2, W3
 from tests.support.compiled import needs_numba
 
 GOLDEN = json.loads((Path(__file__).parent / "golden" / "golden.json").read_text())
@@ -100,7 +101,7 @@ def test_contact_and_rates_are_those_of_numpy(
 @needs_numba
 @pytest.mark.parametrize("slips", [False, True])
 def test_a_rim_without_moments_of_friction_needs_fewer_equations(*, slips: bool) -> None:
-    from reference.equations import kernels  # noqa: PLC0415 - numba comes with it
+    from reference.equations import kernels, rim_kernels  # noqa: PLC0415 - numba comes with them
 
     effects = replace(EVERYTHING, drilling=0.0, rolling_resistance=0.0)
     plain = GeneralEquations(parameters=PAPER_CAN, effects=effects)
@@ -114,6 +115,13 @@ def test_a_rim_without_moments_of_friction_needs_fewer_equations(*, slips: bool)
         assert np.abs(here[TURNING:SLIPPING] - theirs.turning[:, j]).max() < 64 * EPS
         assert np.abs(here[SLIPPING:MOBILITY] - theirs.slipping[:, j]).max() < 64 * EPS
         assert not slips or abs(here[MOBILITY] - theirs.normal_mobility[j]) < 64 * EPS
+    rows, rates, of_rim = (
+        [W1, W2, W3, U1, U2],
+        plain.rates(y, Mode(slips=slips)),
+        np.empty((13, 16)),
+    )
+    rim_kernels.rim_rates(constants, slips, y, np.empty(rim_kernels.WORK_ROWS * 16), of_rim)
+    assert np.abs(of_rim[rows] - rates[rows]).max() < 64 * EPS
 
 
 @needs_numba

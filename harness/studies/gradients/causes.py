@@ -70,6 +70,9 @@ _LEVEL = 4.0
 _ROUND_OFF = 1e-12
 """Noise of a quantity, over the quantity, up to which it is round-off."""
 
+_GROWN = 10.0
+"""Relative change over relative change from which on growth, and no bend, ends the linear range."""
+
 _LOST = 0.5
 """Share of the exact derivative below which a long difference has lost it."""
 
@@ -134,6 +137,7 @@ def long_cause(
     exact: float,
     scale: float,
     right: float,
+    growth: float,
     chaotic: bool,
 ) -> Cause | None:
     """Return what is wrong with the steps above those that are right; None if nothing is.
@@ -142,6 +146,8 @@ def long_cause(
     ----------
     steps, values, exact, scale, right
         As of `short_cause`.
+    growth : float
+        Relative change of the quantity over that of the key, exactly, to first order.
     chaotic : bool
         Whether disturbances of the motion grow exponentially.
     """
@@ -154,8 +160,10 @@ def long_cause(
     # linear, the numbers that are subtracted would be apart by |exact| s
     falls = np.abs(d[0]) < _LOST * abs(exact)
     level = change[0] <= _LEVEL * change[-1] and s[0] >= 10.0 * s[-1] * (1.0 - SETTLED)
-    if falls and (level or s.size == 1):
-        takeover = Takeover.CHAOS if chaotic else Takeover.SATURATION
+    if chaotic and growth >= _GROWN:
+        takeover = Takeover.CHAOS
+    elif falls and (level or s.size == 1):
+        takeover = Takeover.SATURATION
     else:
         takeover = Takeover.TRUNCATION
     return Cause(takeover=takeover, step=float(s[-1]))

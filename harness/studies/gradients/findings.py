@@ -171,6 +171,7 @@ class Differences:
             exact=self.exact,
             scale=self.scale,
             right=RIGHT,
+            growth=abs(self.growth) / self.size if self.size else math.inf,
             chaotic=self.chaotic,
         )
 

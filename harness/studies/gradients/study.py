@@ -154,7 +154,7 @@ class GradientsStudy:
             scene_table(scene, "gradients", "Derivatives by differences", _GRADIENTS, differences),
             scene_table(scene, "own", "Derivatives of the engines' own", _OWN, own),
             *(
-                [scene_table(scene, "instants", "Phi along the motion", _INSTANTS, along)]
+                [scene_table(scene, "phi", "Phi along the motion", _INSTANTS, along)]
                 if along
                 else []
             ),

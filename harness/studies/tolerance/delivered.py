@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from harness.core.case import Case
-from harness.core.simulation import Outcome
+from harness.core.simulation import Outcome, Simulation
 from harness.engines.reference.truth import Truth, exact_motion, solve_case, truth
 from harness.engines.registry import engine_version
 from harness.engines.stepping.horizon import natural_time
@@ -103,11 +103,21 @@ def _of_engine(evaluation: Evaluation) -> Record:
         error = None if degrees is None else math.radians(degrees)
         if error is None:
             reason = run.ending if run.outcome is not Outcome.FINISHED else UNCOUNTED
-    elif run.trajectory.time[-1] < _COMPLETE * truth(run.case.scene).ends:
+    elif not _complete(run):
         reason = run.ending
     elif evaluation.errors is not None:
         error = evaluation.errors.phi_max
     return _record(run.case, run.ending, run.steps, error, reason)
+
+
+def _complete(run: Simulation) -> bool:
+    """Whether a run went on for as long as the exact motion.
+
+    One that reached its horizon did, whose last sample is up to a step before it.
+    """
+    if run.outcome is Outcome.FINISHED or run.trajectory is None:
+        return run.trajectory is not None
+    return bool(run.trajectory.time[-1] >= _COMPLETE * truth(run.case.scene).ends)
 
 
 def _record(case: Case, ending: str, steps: int, error: float | None, reason: str) -> Record:

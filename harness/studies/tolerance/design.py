@@ -9,16 +9,24 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
+import numpy as np
+
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
+from harness.core.trajectory import Floats
 from harness.engines.base import Variant, features_of
 from harness.engines.reference.assumption_checks import check_exact
 from harness.engines.reference.to_reference_problem import carried
-from harness.engines.reference.truth import truth
+from harness.engines.reference.truth import sample_truth, truth
 from harness.engines.registry import engine, missing_effects
 from harness.engines.stepping.horizon import natural_time
-from harness.engines.stepping.schedule import ETA, ETA_SETTING, LARGEST_SHARE, LEAST, SPIN
-from harness.evaluation.effort import simulated_seconds
+from harness.engines.stepping.schedule import (
+    ETA,
+    ETA_SETTING,
+    LARGEST_SHARE,
+    SMALLEST_SHARE,
+    Adaptive,
+)
 from harness.evaluation.evaluation import Record
 from models.catalogue import hard_names, load
 from models.scene import Scene
@@ -70,14 +78,20 @@ SUITES = {
 _USUAL_GROWTH = 0.25
 """Power of the tolerance by which the steps of a method of fourth order grow."""
 
+_FASTEST_GROWTH = 1.0
+"""The same of a method of first order: a coarser run that lost the motion soon took few steps."""
+
 _UNTOLD = 1e-6
 """Tolerance down to which every solver is cheap; below, coarser runs tell what one takes."""
 
 _ETA = tuple(float(f"{10.0 ** (-power / 2.0):.2g}") for power in range(2, 13))
 """Half a decade apart, from a tenth of the way in a step: each decade costs ten times the steps."""
 
-_STEPS_A_FALL = 4.0
-"""Of steps that are 1/eta each, in a bounce: down and up, in phi and in psi."""
+_TAKEN_DOWN = 1.0 / math.log(2.0)
+"""By how much a step is longer than the power of two below it, on average over octaves."""
+
+_LEAST_RATE = 1e-300
+"""1/s: of a can at rest, which any step resolves."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,10 +117,14 @@ class Knob:
         return self.variant.name
 
     def case(self, scene: Scene, value: float) -> Case:
-        """Return the case of a scene that asks for a value."""
+        """Return the case of a scene that asks for a value.
+
+        An engine runs to where the exact motion ends: of a can that lies flat on the plane, a step
+        that follows its way has no bound.
+        """
         largest = LARGEST_SHARE * natural_time(scene) * value / ETA if self.with_timestep else None
         return Case(
-            scene=scene,
+            scene=_to_exact_end(scene) if self.adaptive else scene,
             engine=self.engine,
             profile=self.variant.profile,
             timestep=largest,
@@ -144,7 +162,8 @@ class Knob:
         growth = _USUAL_GROWTH
         if len(taken) > 1:
             (coarse, few), (fine, many) = taken[-2:]
-            growth = max(math.log(max(many, 1) / max(few, 1)) / math.log(coarse / fine), 0.0)
+            growth = math.log(max(many, 1) / max(few, 1)) / math.log(coarse / fine)
+            growth = min(max(growth, 0.0), _FASTEST_GROWTH)
         asked, steps = taken[-1]
         return float(steps * (asked / value) ** growth)
 
@@ -154,18 +173,34 @@ class Knob:
         return self.variant.along == ETA_SETTING.name
 
     def _adaptive_steps(self, scene: Scene, eta: float) -> float:
-        """Return the expected steps of an adaptive run: of its slow parts, its turn, its bounces.
+        """Return the steps that the rule of adaptive stepping takes along the exact motion."""
+        times, rates, shares = _demands(scene)
+        T = natural_time(scene)
+        largest = LARGEST_SHARE * T * (eta / ETA if self.with_timestep else 1.0)
+        steps = np.clip(eta * shares / rates, SMALLEST_SHARE * T, largest)
+        # of two neighbours the longer: what falls flat ends with steps of no length
+        return float((_TAKEN_DOWN * np.diff(times) / np.maximum(steps[1:], steps[:-1])).sum())
 
-        A can that spins about its axis is allowed less than `eta`.
-        """
-        release, seconds, T = scene.release, simulated_seconds(scene), natural_time(scene)
-        axial = abs(release.psi_dot * math.cos(release.phi) + release.theta_dot)
-        allowed = eta * max(1.0 / (1.0 + axial * T / SPIN), LEAST)
-        bounces = truth(scene).bounces
-        folds = sum(math.log(1.0 + release.phi / bounce.phi_min) for bounce in bounces)
-        share = LARGEST_SHARE * (eta / ETA if self.with_timestep else 1.0)
-        slow = seconds / (share * T) + seconds * axial / allowed
-        return slow + _STEPS_A_FALL * (folds + len(bounces)) / allowed
+
+@lru_cache(maxsize=64)
+def _to_exact_end(scene: Scene) -> Scene:
+    """Return a scene that ends where its exact motion does, which may be before its horizon."""
+    seconds, ends = scene.horizon.seconds, truth(scene).ends
+    if seconds is None or ends >= seconds:
+        return scene
+    return replace(scene, horizon=replace(scene.horizon, seconds=ends))
+
+
+@lru_cache(maxsize=64)
+def _demands(scene: Scene) -> tuple[Floats, Floats, Floats]:
+    """Return times of the exact motion, the rates that a step must resolve, and shares of eta."""
+    motion = sample_truth(truth(scene))
+    rule = Adaptive(
+        scene.can, largest=1.0, smallest=1.0, limit=1.0, eta=1.0, unit=natural_time(scene)
+    )
+    states = list(zip(motion.quaternion.tolist(), motion.angular_velocity.tolist(), strict=True))
+    rates = np.array([rule.rate(*state) for state in states])
+    return motion.time, np.maximum(rates, _LEAST_RATE), np.array([rule.eta(*s) for s in states])
 
 
 def knobs(engines: Sequence[str], suite: ToleranceSuite) -> tuple[Knob, ...]:

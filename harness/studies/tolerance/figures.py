@@ -61,7 +61,7 @@ def ladder_figures(settings: Sequence[SettingSummary]) -> Iterator[Figure]:
 
 def _panel(setting: SettingSummary, ends: tuple[float, float], notable: Sequence[str]) -> Panel:
     ladders = sorted(setting.ladders, key=lambda one: one.scene.name in notable)  # grey below
-    lines = [_line(one, notable) for one in ladders if one.records]
+    lines = [_line(one, notable) for one in ladders if one.known]
     zeros = np.array([asked for one in ladders for asked, error in one.known if error == 0.0])
     if zeros.size:
         level = np.full(zeros.size, _ZERO_DRAWN)

@@ -129,6 +129,40 @@ def test_a_plan_that_does_not_say_which_program_began_it_is_refused(
     assert caught.value.differing == "no word of which"
 
 
+def _write_plan(out: Path, plan: dict[str, object]) -> None:
+    out.mkdir()
+    content = {"format": "rockingcan-sweep", "digest": digest_of(plan), "plan": plan}
+    (out / "sweep.json").write_text(json.dumps(content))
+
+
+def test_arrays_do_not_go_on_with_what_kernels_began_and_the_message_names_the_extra(
+    sweep_of_225: SweepPlan, tmp_path: Path
+) -> None:
+    program = (*sweep_of_225.program, ("numba", "0.60.0"))
+    by_kernels = replace(sweep_of_225, program=program, compiled=True, rows_per_partition=75)
+    for began, goes_on, words in (
+        (by_kernels, sweep_of_225, "numba 0.60.0 (now none, without the extra fast)"),
+        (sweep_of_225, by_kernels, "numba none, without the extra fast (now 0.60.0)"),
+    ):
+        out = tmp_path / str(began.compiled)
+        _write_plan(out, began.to_dict())
+        with pytest.raises(ProgramMismatchError) as caught:
+            opened(out, goes_on).__enter__()
+        assert caught.value.differing == words
+
+
+def test_a_plan_of_before_there_were_kernels_is_one_of_another_program(
+    sweep_of_225: SweepPlan, tmp_path: Path
+) -> None:
+    plan = sweep_of_225.to_dict()
+    plan["program"] = {**plan["program"], "sources": "0"}
+    del plan["compiled"], plan["reduce"]
+    _write_plan(tmp_path / "out", plan)
+    with pytest.raises(ProgramMismatchError) as caught:
+        opened(tmp_path / "out", sweep_of_225).__enter__()
+    assert caught.value.differing.startswith("sources 0 (now ")
+
+
 @pytest.mark.parametrize("engine", ["reference", "mujoco"])
 def test_the_program_of_a_plan_is_its_engines_and_that_of_sweeps(
     engine: str, monkeypatch: pytest.MonkeyPatch

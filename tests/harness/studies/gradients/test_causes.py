@@ -24,7 +24,15 @@ def causes(
     scale = abs(exact)
     return (
         short_cause(steps, values, exact=exact, scale=scale, right=0.01, unit=1.0, size=size),
-        long_cause(steps, values, exact=exact, scale=scale, right=0.01, chaotic=chaotic),
+        long_cause(
+            steps,
+            values,
+            exact=exact,
+            scale=scale,
+            right=0.01,
+            growth=abs(exact) / size,
+            chaotic=chaotic,
+        ),
     )
 
 
@@ -103,10 +111,16 @@ def test_a_derivative_that_grew_exponentially_holds_for_short_steps_alone() -> N
     _, same = causes(logistic, slope, chaotic=False)
     assert same is not None
     assert same.takeover is Takeover.SATURATION
+    # where nothing has grown yet a chaotic motion bends like any other
+    _, bend = causes(lambda x: math.sin(5.0 * x), 5.0, chaotic=True)
+    assert bend == Cause(takeover=Takeover.TRUNCATION, step=0.1)
 
 
 def test_without_numbers_there_is_no_cause() -> None:
     assert (
         short_cause(STEPS, [None] * 9, exact=1.0, scale=1.0, right=0.01, unit=1.0, size=1.0) is None
     )
-    assert long_cause(STEPS, [np.nan] * 9, exact=1.0, scale=1.0, right=0.01, chaotic=True) is None
+    assert (
+        long_cause(STEPS, [np.nan] * 9, exact=1.0, scale=1.0, right=0.01, growth=1.0, chaotic=True)
+        is None
+    )

@@ -120,6 +120,8 @@ def test_adaptive_steps_have_two_settings_and_the_error_is_that_of_the_turn() ->
     assert ladder.unpaid
     record = delivered(alone.case(scene, values[0]))
     assert 0.0 < record["error"] < 1e-2
+    expected = alone.expected_steps(scene, values[0], ())
+    assert expected / 2.0 < record["steps"] < 2.0 * expected
 
 
 def test_the_command_prints_its_tables_and_refuses_another_suite(
