@@ -4,13 +4,14 @@ Beside another set of equations, whose numbers they give to within round-off; th
 (`reference.equations.kernels`) are imported with the first state, numba with them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
 
 from reference.equations.contact_laws import Contact, Equations, Mode
 from reference.equations.state_vector import Index
+from reference.problem.effects import ALONG_THE_RIM, Effects
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 
@@ -40,9 +41,17 @@ class CompiledEquations:
     plain: Equations
     constants: Floats
     mu: float
+    mu_static: float
+    contour: float
     drilling: float
     resistance: float
     bilateral_normal: bool
+
+    @staticmethod
+    def know(effects: Effects) -> bool:
+        """Return whether the kernels know every law of these effects."""
+        others = {name: 0.0 for name in ALONG_THE_RIM}
+        return effects == replace(effects, mu_static=None, **others)
 
     @classmethod
     def of(cls, plain: Equations, problem: Problem) -> "CompiledEquations":
@@ -56,6 +65,8 @@ class CompiledEquations:
             plain=plain,
             constants=np.array([p.a, p.c, p.h, *mass, *e.gravity.constant, *shaking, *laws, *rest]),
             mu=plain.mu,
+            mu_static=plain.mu_static,
+            contour=plain.contour,
             drilling=plain.drilling,
             resistance=plain.resistance,
             bilateral_normal=plain.bilateral_normal,

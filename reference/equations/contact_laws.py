@@ -41,12 +41,16 @@ class Mode:
     turns : int
         Sense of turning about the normal where that meets friction; 0 where friction holds it, and
         where there is none.
+    runs : int
+        Sense of theta', in which the contact point runs along the rim, where that meets dry
+        friction; 0 where friction holds it, and where there is none.
     rests : bool
         Whether rolling resistance holds the level part of the angular velocity at zero.
     """
 
     slips: bool = False
     turns: int = 0
+    runs: int = 0
     rests: bool = False
 
     @property
@@ -98,6 +102,16 @@ class Equations(Protocol):
     @property
     def resistance(self) -> float:
         """Arm of the moment against rolling."""
+        ...
+
+    @property
+    def mu_static(self) -> float:
+        """Coefficient of friction up to which the rim sticks, at least `mu`."""
+        ...
+
+    @property
+    def contour(self) -> float:
+        """Coefficient of dry friction against the motion of the contact point along the rim."""
         ...
 
     @property

@@ -58,10 +58,23 @@ class CoulombEquations:
     parameters : Parameters
     mu : float
         Infinite for a rim that never slips.
+    static : float or None
+        Coefficient up to which the rim sticks; None is `mu`.
     """
 
     parameters: Parameters
     mu: float
+    static: float | None = None
+
+    @property
+    def mu_static(self) -> float:
+        """Coefficient of friction up to which the rim sticks."""
+        return self.mu if self.static is None else self.static
+
+    @property
+    def contour(self) -> float:
+        """No friction along the rim."""
+        return 0.0
 
     @property
     def drilling(self) -> float:

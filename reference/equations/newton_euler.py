@@ -29,6 +29,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference.equations.contact_laws import Contact, Mode
+from reference.equations.dissipation import along_the_rim, moment_of_fluid
 from reference.equations.frames import applied, cross, dot, length, to_body, to_level, to_precessing
 from reference.equations.state_vector import (
     DISSIPATED,
@@ -96,6 +97,16 @@ class GeneralEquations:
         return self.effects.drilling
 
     @property
+    def mu_static(self) -> float:
+        """Coefficient of friction up to which the rim sticks."""
+        return self.mu if self.effects.mu_static is None else self.effects.mu_static
+
+    @property
+    def contour(self) -> float:
+        """Coefficient of dry friction along the rim."""
+        return self.effects.contour
+
+    @property
     def resistance(self) -> float:
         """Arm of the moment against rolling."""
         return self.effects.rolling_resistance
@@ -132,7 +143,7 @@ class GeneralEquations:
         at, contact = here.at, self._contact(y, mode, here)
         w1, w2, w3 = y[TURN]
         # without level turning the axes stay, to the last bit
-        rotation = np.zeros_like(w1) if mode.rests else at.S * w3 - at.C * w1
+        rotation = np.zeros_like(w1) if self._still(mode) else at.S * w3 - at.C * w1
         out = np.zeros_like(y)
         out[LEAN] = -w2
         out[TURN] = contact.turning + rotation * np.array([-w2, w1, np.zeros_like(w1)])
@@ -155,6 +166,8 @@ class GeneralEquations:
             drag = e.linear_damping * here.mass * dot(here.velocity, here.velocity)
             drag += e.angular_damping * dot(here.turning, applied(here.inertia, here.turning))
             out[DISSIPATED] += at.S * drag
+        if along_the_rim(e):
+            out[DISSIPATED] += moment_of_fluid(e, rotation, at) * rotation
         out[SUPPLIED] = at.S * here.mass * dot(here.shaking, here.velocity)
         return out
 
@@ -170,6 +183,10 @@ class GeneralEquations:
         )
         gravity = np.asarray(self.effects.gravity.constant)
         return np.asarray(kinetic - here.mass * gravity @ place)
+
+    def _still(self, mode: Mode) -> bool:
+        """Return whether friction holds the contact point on the rim: theta' = 0."""
+        return mode.rests or (self.contour > 0 and not mode.runs)
 
     def _setting(self, y: Floats, mode: Mode) -> Setting:
         p, e, at = self.parameters, self.effects, Angles.of(y[LEAN])
@@ -209,7 +226,8 @@ class GeneralEquations:
     def moments_that_hold(self, mode: Mode) -> list[int]:
         """Return the components of (w, u) that moments of friction hold at zero in a mode."""
         turning = [TURNING_Z] if self.drilling and not mode.turns else []
-        return [*turning, *([ROLLING_1, ROLLING_2] if mode.rests else [])]
+        running = [ROLLING_1] if self.contour and not mode.runs else []
+        return [*turning, *([ROLLING_1, ROLLING_2] if mode.rests else running)]
 
     def impulses(self, y: Floats, mode: Mode) -> Floats:
         """Return changes of (w in frame B, u1, u2) by unit impulses of the holding moments.
@@ -242,6 +260,8 @@ class GeneralEquations:
             law[[SLIP_1, SLIP_2]] = -self.mu * y[[U1, U2]] / length(y[U1], y[U2])
         if e.drilling and mode.turns:
             law[TURNING_Z] = -e.drilling * mode.turns
+        if e.contour and mode.runs:
+            law[ROLLING_1] = e.contour * mode.runs / Angles.of(y[LEAN]).S
         if e.rolling_resistance and not mode.rests:
             level = to_level(y[TURN], Angles.of(y[LEAN]))[:2]
             law[[ROLLING_1, ROLLING_2]] = -e.rolling_resistance * level / length(*level)
@@ -252,6 +272,9 @@ class GeneralEquations:
         inverse: Floats = np.asarray(np.linalg.inv(np.moveaxis(here.inertia, -1, 0)))
         momentum = applied(here.inertia, w)
         torque = -at.S * (cross(w, momentum) + e.angular_damping * momentum)
+        if along_the_rim(e) and not self._still(mode):
+            moment = moment_of_fluid(e, at.S * w[2] - at.C * w[0], at)
+            torque = torque + moment * np.array([at.C, np.zeros_like(at.C), -at.S])
         free = np.einsum("nij,jn->in", inverse, torque)
         fall = at.S * (here.gravity - e.linear_damping * here.velocity)
         slide = fall + cross(free, here.arm) + cross(w, here.arm_rate)
@@ -261,10 +284,14 @@ class GeneralEquations:
             held = [SLIP_1, SLIP_2, NORMAL]
         if e.drilling and not mode.turns:
             held = [TURNING_Z, *held]
+        held = [ROLLING_1, *held] if self.contour and not mode.runs else held
         if mode.rests:
             held = [ROLLING_1, ROLLING_2, *held]
         law = self._law(y, mode)
         start = np.concatenate([to_level(free, at), to_level(slide, at)])
+        if self.contour and not mode.runs:
+            # theta' = 0 is kept in directions that precess with the can
+            start[ROLLING_1] += w[0] * w[1]
         answer = np.einsum("nij,jn->in", mobility, law)
         columns = np.moveaxis(mobility[:, :, held], 0, -1)
         columns[:, -1] = answer
@@ -283,6 +310,8 @@ class GeneralEquations:
             wrench[index] += share[row]
         both = start + np.einsum("nij,jn->in", mobility, wrench)
         both[held] = 0.0
+        if self.contour and not mode.runs:
+            both[ROLLING_1] = -w[0] * w[1]
         return Contact(
             force=wrench[3:],
             moment=wrench[:3],

@@ -49,6 +49,12 @@ class Angles:
         return cls(T=T, S=2 * T / (1 + T * T), C=-np.tanh(lean))
 
 
+def rotation(y: Floats) -> Floats:
+    """Return sin(phi) theta', shape (n,): how fast the contact point runs along the rim."""
+    at = Angles.of(y[LEAN])
+    return np.asarray(at.S * y[W3] - at.C * y[W1])
+
+
 def released(problem: Problem) -> Floats:
     """State at the release, with the can's centre over (0, 0)."""
     p, e = problem.parameters, problem.effects

@@ -14,10 +14,10 @@ import scipy
 
 from reference.equations.compiled_equations import CompiledEquations, laws_of
 from reference.equations.contact_laws import Contact, Equations
-from reference.equations.state_vector import LEAN, TIME, U1, U2, W2
+from reference.equations.state_vector import LEAN, TIME, U1, U2, W2, rotation
 from reference.nonsmooth.level_spin import stands
 from reference.nonsmooth.segments import Segment
-from reference.nonsmooth.slip_onset import LEAN_OF_CAN, holding, reserve
+from reference.nonsmooth.slip_onset import LEAN_OF_CAN, holding, holding_on_rim, reserve
 from reference.problem.states import Floats
 
 LOOKS = tuple(np.linspace(0.0, 1.0, 41).tolist())
@@ -47,6 +47,8 @@ class EventKind(Enum):
     HELD = auto()
     TURNS = auto()
     ROLLS = auto()
+    STANDS = auto()
+    RUNS = auto()
 
 
 LIMITS = {
@@ -56,6 +58,8 @@ LIMITS = {
     EventKind.ROLLS,
     EventKind.HELD,
     EventKind.TURNS,
+    EventKind.STANDS,
+    EventKind.RUNS,
 }
 """Events that end a mode wherever their margin is negative, also at the start of a piece."""
 OF_THE_STATE = {
@@ -65,6 +69,7 @@ OF_THE_STATE = {
     EventKind.OVERTURNED,
     EventKind.FLAT,
     EventKind.HELD,
+    EventKind.STANDS,
 }
 """Events whose margin needs the state alone, and no force, which may have no direction yet."""
 
@@ -160,7 +165,7 @@ def _zeros(
     what: EventKind, margin: Callable[[float], float], places: Floats, values: Floats
 ) -> list[float]:
     """Return where a margin, sampled at some places, falls through zero."""
-    if what is EventKind.HELD and values[0] <= 0:
+    if what in {EventKind.HELD, EventKind.STANDS} and values[0] <= 0:
         # a turning that begins has no sense yet
         values, places = values[1:], places[1:]
     down = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
@@ -189,7 +194,7 @@ def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[EventKi
         margins[EventKind.HORIZON] = lambda seen: t_end - seen.y[TIME]
     if not equations.bilateral_normal:
         margins[EventKind.LIFTS] = lambda seen: seen.contact.force[2]
-    if mode.slips or equations.drilling or equations.resistance:
+    if mode.slips or equations.drilling or equations.resistance or equations.contour:
         margins[EventKind.JAMS] = lambda seen: seen.contact.normal_mobility - LEAST_MOBILITY
     if not mode.slips and np.isfinite(equations.mu):
         margins[EventKind.SLIPS] = lambda seen: reserve(equations, seen.contact)
@@ -197,6 +202,10 @@ def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[EventKi
         margins[EventKind.HELD] = lambda seen: mode.turns * equations.turning(seen.y)
     elif equations.drilling:
         margins[EventKind.TURNS] = lambda seen: holding(equations, seen.contact)
+    if equations.contour and mode.runs:
+        margins[EventKind.STANDS] = lambda seen: mode.runs * rotation(seen.y)
+    elif equations.contour:
+        margins[EventKind.RUNS] = lambda seen: holding_on_rim(equations, seen.contact, seen.y)
     return margins
 
 

@@ -117,7 +117,7 @@ RIM = UnilateralHold(
     freed=lambda mode: replace(mode, slips=True),
     infinitesimal=_slipping,
     acceleration=lambda contact, _: contact.slipping,
-    reaction=lambda equations, contact: (contact.force[:2], equations.mu * contact.force[2]),
+    reaction=lambda equations, contact: (contact.force[:2], equations.mu_static * contact.force[2]),
 )
 """Friction holds the rim's material where it touches."""
 
@@ -149,6 +149,15 @@ def holding(equations: Equations, contact: Contact) -> Floats:
     """Return the same margin of the hold of turning about the normal, shape (n,)."""
     limit = (1 + BEYOND) * equations.drilling * contact.force[2]
     return np.asarray(limit - np.abs(contact.moment[2]))
+
+
+def holding_on_rim(equations: Equations, contact: Contact, y: Floats) -> Floats:
+    """Return the same margin of the hold of the contact point on the rim, shape (n,).
+
+    Times sin phi, as the others: the moment that holds theta' has the limit f N/sin(phi).
+    """
+    limit = (1 + BEYOND) * equations.contour * contact.force[2]
+    return np.asarray(limit - np.abs(contact.moment[0]) * Angles.of(y[LEAN]).S)
 
 
 def onset(

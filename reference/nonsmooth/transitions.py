@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reference.equations.contact_laws import Equations, Mode
-from reference.equations.state_vector import SLIP, TURN, U1, U2, W2
+from reference.equations.state_vector import SLIP, TURN, U1, U2, W2, rotation
 from reference.nonsmooth.level_spin import with_level
 from reference.nonsmooth.radau_iia import integrator
 from reference.nonsmooth.slip_onset import (
@@ -32,6 +32,7 @@ from reference.nonsmooth.slip_onset import (
     SlipOnset,
     UnilateralHold,
     holding,
+    holding_on_rim,
     onset,
     reserve,
 )
@@ -89,7 +90,8 @@ def begin(equations: Equations, y: Floats, mode: Mode) -> ModeTransition:
     mode : Mode
         With all held that is at rest.
     """
-    return settled(equations, y, ModeTransition(mode=turning(equations, y[:, None], mode)))
+    mode = running(equations, y[:, None], turning(equations, y[:, None], mode))
+    return settled(equations, y, ModeTransition(mode=mode))
 
 
 def settled(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
@@ -186,6 +188,21 @@ def turning(equations: Equations, column: Floats, mode: Mode) -> Mode:
     return replace(mode, turns=int(-np.sign(needed)))
 
 
+def running(equations: Equations, column: Floats, mode: Mode) -> Mode:
+    """Return the mode in which the contact point runs on along the rim, or is held there."""
+    if not equations.contour:
+        return mode
+    along = float(rotation(column)[0])
+    small = 1e-12 * (1 + float(np.abs(column[[U1, U2, W2], 0]).max()))
+    if abs(along) > small:
+        return replace(mode, runs=int(np.sign(along)))
+    held = replace(mode, runs=0)
+    contact = equations.contact(column, held)
+    if holding_on_rim(equations, contact, column)[0] > 0:
+        return held
+    return replace(mode, runs=int(np.sign(contact.moment[0, 0])))
+
+
 def _give_way(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
     """Release one motion that is held beyond its limit."""
     contact = equations.contact(now.infinitesimal(y), now.mode)
@@ -196,6 +213,10 @@ def _give_way(equations: Equations, y: Floats, now: ModeTransition) -> ModeTrans
         return begin_roll(equations, y, now)
     if equations.drilling and now.mode.turns == 0:
         mode = turning(equations, now.infinitesimal(y), now.mode)
+        if mode != now.mode:
+            return replace(now, mode=mode)
+    if equations.contour and now.mode.runs == 0:
+        mode = running(equations, now.infinitesimal(y), now.mode)
         if mode != now.mode:
             return replace(now, mode=mode)
     if may_slip and reserve(equations, contact)[0] < 0:
