@@ -43,6 +43,7 @@ class CompiledEquations:
     mu: float
     mu_static: float
     contour: float
+    fluid: bool
     drilling: float
     resistance: float
     bilateral_normal: bool
@@ -67,6 +68,7 @@ class CompiledEquations:
             mu=plain.mu,
             mu_static=plain.mu_static,
             contour=plain.contour,
+            fluid=plain.fluid,
             drilling=plain.drilling,
             resistance=plain.resistance,
             bilateral_normal=plain.bilateral_normal,

@@ -44,6 +44,8 @@ class Mode:
     runs : int
         Sense of theta', in which the contact point runs along the rim, where that meets dry
         friction; 0 where friction holds it, and where there is none.
+    lands : bool
+        Whether fluid below a can that falls flat has stopped the contact point: theta' = 0.
     rests : bool
         Whether rolling resistance holds the level part of the angular velocity at zero.
     """
@@ -51,6 +53,7 @@ class Mode:
     slips: bool = False
     turns: int = 0
     runs: int = 0
+    lands: bool = False
     rests: bool = False
 
     @property
@@ -112,6 +115,11 @@ class Equations(Protocol):
     @property
     def contour(self) -> float:
         """Coefficient of dry friction against the motion of the contact point along the rim."""
+        ...
+
+    @property
+    def fluid(self) -> bool:
+        """Return whether a law without a threshold opposes the motion along the rim."""
         ...
 
     @property

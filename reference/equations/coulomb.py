@@ -77,6 +77,11 @@ class CoulombEquations:
         return 0.0
 
     @property
+    def fluid(self) -> bool:
+        """Nothing else opposes motion along the rim."""
+        return False
+
+    @property
     def drilling(self) -> float:
         """No arm: turning about the normal meets no friction."""
         return 0.0

@@ -107,6 +107,11 @@ class GeneralEquations:
         return self.effects.contour
 
     @property
+    def fluid(self) -> bool:
+        """Return whether a law without a threshold opposes the motion along the rim."""
+        return along_the_rim(self.effects)
+
+    @property
     def resistance(self) -> float:
         """Arm of the moment against rolling."""
         return self.effects.rolling_resistance
@@ -166,7 +171,7 @@ class GeneralEquations:
             drag = e.linear_damping * here.mass * dot(here.velocity, here.velocity)
             drag += e.angular_damping * dot(here.turning, applied(here.inertia, here.turning))
             out[DISSIPATED] += at.S * drag
-        if along_the_rim(e):
+        if self.fluid:
             out[DISSIPATED] += moment_of_fluid(e, rotation, at) * rotation
         out[SUPPLIED] = at.S * here.mass * dot(here.shaking, here.velocity)
         return out
@@ -186,7 +191,10 @@ class GeneralEquations:
 
     def _still(self, mode: Mode) -> bool:
         """Return whether friction holds the contact point on the rim: theta' = 0."""
-        return mode.rests or (self.contour > 0 and not mode.runs)
+        return mode.rests or self._held_on_rim(mode)
+
+    def _held_on_rim(self, mode: Mode) -> bool:
+        return mode.lands or (self.contour > 0 and not mode.runs)
 
     def _setting(self, y: Floats, mode: Mode) -> Setting:
         p, e, at = self.parameters, self.effects, Angles.of(y[LEAN])
@@ -226,7 +234,7 @@ class GeneralEquations:
     def moments_that_hold(self, mode: Mode) -> list[int]:
         """Return the components of (w, u) that moments of friction hold at zero in a mode."""
         turning = [TURNING_Z] if self.drilling and not mode.turns else []
-        running = [ROLLING_1] if self.contour and not mode.runs else []
+        running = [ROLLING_1] if self._held_on_rim(mode) else []
         return [*turning, *([ROLLING_1, ROLLING_2] if mode.rests else running)]
 
     def impulses(self, y: Floats, mode: Mode) -> Floats:
@@ -272,7 +280,7 @@ class GeneralEquations:
         inverse: Floats = np.asarray(np.linalg.inv(np.moveaxis(here.inertia, -1, 0)))
         momentum = applied(here.inertia, w)
         torque = -at.S * (cross(w, momentum) + e.angular_damping * momentum)
-        if along_the_rim(e) and not self._still(mode):
+        if self.fluid and not self._still(mode):
             moment = moment_of_fluid(e, at.S * w[2] - at.C * w[0], at)
             torque = torque + moment * np.array([at.C, np.zeros_like(at.C), -at.S])
         free = np.einsum("nij,jn->in", inverse, torque)
@@ -284,12 +292,12 @@ class GeneralEquations:
             held = [SLIP_1, SLIP_2, NORMAL]
         if e.drilling and not mode.turns:
             held = [TURNING_Z, *held]
-        held = [ROLLING_1, *held] if self.contour and not mode.runs else held
+        held = [ROLLING_1, *held] if self._held_on_rim(mode) and not mode.rests else held
         if mode.rests:
             held = [ROLLING_1, ROLLING_2, *held]
         law = self._law(y, mode)
         start = np.concatenate([to_level(free, at), to_level(slide, at)])
-        if self.contour and not mode.runs:
+        if self._held_on_rim(mode):
             # theta' = 0 is kept in directions that precess with the can
             start[ROLLING_1] += w[0] * w[1]
         answer = np.einsum("nij,jn->in", mobility, law)
@@ -310,7 +318,7 @@ class GeneralEquations:
             wrench[index] += share[row]
         both = start + np.einsum("nij,jn->in", mobility, wrench)
         both[held] = 0.0
-        if self.contour and not mode.runs:
+        if self._held_on_rim(mode):
             both[ROLLING_1] = -w[0] * w[1]
         return Contact(
             force=wrench[3:],

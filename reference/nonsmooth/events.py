@@ -25,6 +25,10 @@ LOOKS = tuple(np.linspace(0.0, 1.0, 41).tolist())
 FLAT = -184.0
 # The same where the normal force is asked for: below 1e-26 its round-off would lift the can.
 FLAT_AND_PUSHED = -60.0
+# ln tan(phi/2) of a can that has 1e-8 rad to fall. From there its contact point, stopped by fluid
+# but for this share of its fall, is held: the little energy in that is the round-off of the rest,
+# and the stiffness of a film, which grows as 1/phi^2, is not followed to the end.
+LANDING, STOPPED_BY_FLUID = -19.1, 1e-7
 # Of the fall of a parabola below three places: where these are less far from zero it is followed.
 NEAR_ZERO = 4.0
 # Share of a piece after which what begins with it has a direction.
@@ -49,6 +53,7 @@ class EventKind(Enum):
     ROLLS = auto()
     STANDS = auto()
     RUNS = auto()
+    LANDS = auto()
 
 
 LIMITS = {
@@ -70,6 +75,7 @@ OF_THE_STATE = {
     EventKind.FLAT,
     EventKind.HELD,
     EventKind.STANDS,
+    EventKind.LANDS,
 }
 """Events whose margin needs the state alone, and no force, which may have no direction yet."""
 
@@ -202,11 +208,18 @@ def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[EventKi
         margins[EventKind.HELD] = lambda seen: mode.turns * equations.turning(seen.y)
     elif equations.drilling:
         margins[EventKind.TURNS] = lambda seen: holding(equations, seen.contact)
-    if equations.contour and mode.runs:
+    if equations.fluid and not (mode.lands or mode.rests):
+        margins[EventKind.LANDS] = lambda seen: _to_landing(seen.y)
+    if equations.contour and mode.runs and not mode.lands:
         margins[EventKind.STANDS] = lambda seen: mode.runs * rotation(seen.y)
-    elif equations.contour:
+    elif equations.contour and not mode.lands:
         margins[EventKind.RUNS] = lambda seen: holding_on_rim(equations, seen.contact, seen.y)
     return margins
+
+
+def _to_landing(y: Floats) -> Floats:
+    """Return the margin to where a can falls flat and fluid has stopped its contact point."""
+    return np.asarray(np.maximum(y[LEAN] - LANDING, np.abs(rotation(y)) - STOPPED_BY_FLUID * y[W2]))
 
 
 def _dips(

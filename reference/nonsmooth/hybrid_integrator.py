@@ -43,6 +43,7 @@ from reference.nonsmooth.transitions import (
     begin,
     begin_roll,
     begin_slip,
+    land,
     settled,
     straight_on,
 )
@@ -333,6 +334,9 @@ class HybridIntegrator:
             now = begin_roll(self._equations, self._y, self._now)
             self._go_on(settled(self._equations, self._y, now))
             self._turned(before=0.0)
+        elif event is not None and event.what is EventKind.LANDS:
+            self._y, now = land(self._equations, self._y, self._mode)
+            self._go_on(now)
         elif event is not None:
             self._go_on(begin(self._equations, self._y, self._mode))
         else:

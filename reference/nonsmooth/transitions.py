@@ -23,7 +23,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reference.equations.contact_laws import Equations, Mode
-from reference.equations.state_vector import SLIP, TURN, U1, U2, W2, rotation
+from reference.equations.state_vector import (
+    LEAN,
+    SLIP,
+    TURN,
+    U1,
+    U2,
+    W1,
+    W2,
+    W3,
+    Angles,
+    rotation,
+)
 from reference.nonsmooth.level_spin import with_level
 from reference.nonsmooth.radau_iia import integrator
 from reference.nonsmooth.slip_onset import (
@@ -111,6 +122,13 @@ def settled(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransit
     )
 
 
+def land(equations: Equations, y: Floats, mode: Mode) -> tuple[Floats, ModeTransition]:
+    """Return a state whose contact point, stopped by fluid, is held on the rim, and what follows."""
+    at, y = Angles.of(y[LEAN]), y.copy()
+    y[W1] = y[W3] * at.S / at.C
+    return y, begin(equations, y, replace(mode, runs=0, lands=True))
+
+
 def begin_slip(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
     """Release the slip of the rim, in its only admissible direction."""
     free = RIM.freed(now.mode)
@@ -190,7 +208,7 @@ def turning(equations: Equations, column: Floats, mode: Mode) -> Mode:
 
 def running(equations: Equations, column: Floats, mode: Mode) -> Mode:
     """Return the mode in which the contact point runs on along the rim, or is held there."""
-    if not equations.contour:
+    if not equations.contour or mode.lands:
         return mode
     along = float(rotation(column)[0])
     small = 1e-12 * (1 + float(np.abs(column[[U1, U2, W2], 0]).max()))
@@ -215,7 +233,7 @@ def _give_way(equations: Equations, y: Floats, now: ModeTransition) -> ModeTrans
         mode = turning(equations, now.infinitesimal(y), now.mode)
         if mode != now.mode:
             return replace(now, mode=mode)
-    if equations.contour and now.mode.runs == 0:
+    if equations.contour and now.mode.runs == 0 and not now.mode.lands:
         mode = running(equations, now.infinitesimal(y), now.mode)
         if mode != now.mode:
             return replace(now, mode=mode)
