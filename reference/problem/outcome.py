@@ -9,6 +9,10 @@ class Outcome(Enum):
     FINISHED = "The solution reached the horizon it was asked for."
     OVERTURNED = "The can overturned: phi reached pi/2 and its side meets the plane."
     FELL_FLAT = "The can fell flat: the whole rim met the plane at once."
+    CAME_TO_REST = (
+        "The can came to rest flat on the plane: phi and all motion but a turning about the normal "
+        "reached zero together, in finite time."
+    )
     STEADY = (
         "The can rolls steadily or stands balanced: phi does not oscillate, so it never bounces."
     )
