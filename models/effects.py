@@ -13,7 +13,9 @@ from typing import Any
 from models.body_effects import Damping, PointMass, Shake, Tilt
 from models.can import Can
 from models.contact_effects import (
+    AirFilm,
     Compliance,
+    ContourFriction,
     Drilling,
     Restitution,
     RollingResistance,
@@ -48,6 +50,10 @@ class Effects:
         Friction against turning about the normal; left out, none.
     rolling_resistance : RollingResistance, optional
         Friction against rolling; left out, none.
+    contour_friction : ContourFriction, optional
+        Friction of the contact point along the rim; left out, none.
+    air_film : AirFilm, optional
+        Air between a disk and the plane; left out, none.
     damping : Damping, optional
         Drag; left out, none.
     rim : RoundedRim, optional
@@ -72,6 +78,8 @@ class Effects:
     restitution: Restitution | None = None
     drilling: Drilling | None = None
     rolling_resistance: RollingResistance | None = None
+    contour_friction: ContourFriction | None = None
+    air_film: AirFilm | None = None
     damping: Damping | None = None
     rim: RoundedRim | None = None
     tilt: Tilt | None = None
@@ -91,6 +99,18 @@ class Effects:
                         f"effects `slip` with mu 0 and `{name}` contradict each other: "
                         "a plane without friction resists neither drilling nor rolling"
                     )
+        contour = self.contour_friction
+        if contour is not None and contour.coulomb > 0.0:
+            if self.slip is not None and self.slip.mu == 0.0:
+                raise ModelError(
+                    "effects `slip` with mu 0 and `contour_friction` with coulomb contradict each "
+                    "other: a plane without friction resists no motion along the rim"
+                )
+            if self.rolling_resistance is not None:
+                raise ModelError(
+                    "effects `rolling_resistance` and `contour_friction` with coulomb contradict "
+                    "each other: both are a dry moment against rolling, each with a limit of its own"
+                )
         if self.compliance is not None and self.restitution is not None:
             raise ModelError(
                 "effects `compliance` and `restitution` contradict each other: "
@@ -109,6 +129,8 @@ KINDS: MappingProxyType[str, type[Any]] = MappingProxyType(
         "restitution": Restitution,
         "drilling": Drilling,
         "rolling_resistance": RollingResistance,
+        "contour_friction": ContourFriction,
+        "air_film": AirFilm,
         "damping": Damping,
         "rim": RoundedRim,
         "tilt": Tilt,

@@ -148,6 +148,11 @@ class Scene:
                 else {"bounces": horizon.bounces}
             ),
             "effects": {
-                name: asdict(getattr(self.effects, name)) for name in self.effects.declared()
+                name: _constants(getattr(self.effects, name)) for name in self.effects.declared()
             },
         }
+
+
+def _constants(effect: Any) -> dict[str, Any]:  # noqa: ANN401 - of any kind
+    """Return the constants of an effect without those that are left out."""
+    return {key: value for key, value in asdict(effect).items() if value is not None}

@@ -22,7 +22,7 @@ Number = TypeVar("Number", float, Floats)
 
 
 _UNITS = {"rad_s": "rad/s", "m_s2": "m/s^2", "kg_m2": "kg m^2", "n_m": "N/m", "ns_m": "N s/m"}
-_UNITS |= {"per_s": "1/s", "hz": "Hz"}
+_UNITS |= {"per_s": "1/s", "hz": "Hz", "pa_s": "Pa s", "kg_m3": "kg/m^3"}
 """Units by the suffix of a column, where the two differ."""
 
 
@@ -65,6 +65,9 @@ _OF_EFFECTS = {
     "compliance.damping": "ns_m",
     "drilling.length": "m",
     "rolling_resistance.length": "m",
+    "contour_friction.viscous": "ns_m",
+    "air_film.viscosity": "pa_s",
+    "air_film.density": "kg_m3",
     "rim.radius": "m",
     "damping.linear": "per_s",
     "damping.angular": "per_s",

@@ -25,6 +25,7 @@ from reference.equations.state_vector import (
     sizes,
     snapshot_of,
 )
+from reference.nonsmooth import stopping
 from reference.nonsmooth.events import Event, EventKind, events
 from reference.nonsmooth.level_spin import HARDLY, level_turning, stands
 from reference.nonsmooth.radau_iia import (
@@ -63,13 +64,6 @@ QUIET = 1e-3
 # left nothing but round-off: beside a fall that is flat for a long time they double.
 LONGEST = 8.0
 FIRST = 0.05
-# Of a can that all but stands the time of the rim runs faster than the can moves: below this angular
-# velocity first and longest steps are shares of its reciprocal. Else each of the many phases of stick
-# and slip of a disk that comes to rest begins with twenty steps that double.
-CREEPS, CREEPING = 1e-2, 2.0
-# ln tan(phi/2) of a disk with 1e-9 rad to go: from there rolling resistance brings it to rest in a
-# time that goes as the square root of phi, in ever more phases of stick and slip.
-ALL_BUT_FLAT = -21.4
 # A step shorter than this no longer moves a double.
 SHORTEST = 1e-15
 # A step that cannot be taken this near to where the rim jams cannot because of that.
@@ -142,17 +136,12 @@ class HybridIntegrator:
 
     def _stuck(self) -> Outcome:
         """Return why there is no next step."""
-        resisted = self._equations.resistance > 0
-        if resisted and self._y[LEAN] < ALL_BUT_FLAT and not self._falls():
+        if stopping.comes_to_rest(self._equations, self._y):
             return Outcome.CAME_TO_REST
         if self._evaluations > self._most_work():
             return Outcome.OUTWORKED
         jams = self._pieces and left_to_jam(self._equations, self._pieces[-1]) < JAMMED
         return Outcome.JAMMED if jams else Outcome.STALLED
-
-    def _falls(self) -> bool:
-        """Return whether phi falls as fast as a can tips, and not as the square of a time left."""
-        return bool(self._y[W2] ** 2 > np.exp(self._y[LEAN]))
 
     def _step(self) -> Segment | None:
         """Take the longest step that is resolved, unless too much has been spent."""
@@ -182,13 +171,12 @@ class HybridIntegrator:
         """Return a step that is resolved, and choose the length of the next."""
         # a tail of round-off says only that more is to be had
         grown = 0.9 * length * (RESOLVED / max(tail, NOISE)) ** (1 / STAGES)
-        self._length = 2.0 * length if tail < NOISE else min(grown, LONGEST * self._pace())
+        self._length = (
+            2.0 * length
+            if tail < NOISE
+            else min(grown, LONGEST * stopping.pace(self._equations, self._y))
+        )
         return Segment(start=self._y, coefficients=series, cut=1.0, length=length, mode=self._mode)
-
-    def _pace(self) -> float:
-        """Return how much longer steps are than those of a can that moves at a rate of 1."""
-        speed = float(np.abs(self._y[TURN]).max())
-        return CREEPING / speed if self._equations.resistance and 0 < speed < CREEPS else 1.0
 
     def _most_work(self) -> int:
         """Return how many evaluations the motion may call for."""
@@ -365,12 +353,12 @@ class HybridIntegrator:
         """Hold a slip or rolling that has stopped but for round-off, if friction can hold it."""
         before = float(self._y[W2])
         self._y, mode = halted(self._equations, self._y, self._mode)
-        if mode.rests and self._y[LEAN] < ALL_BUT_FLAT:
+        if mode.rests and stopping.comes_to_rest(self._equations, self._y):
             self.watch.end(float(self._y[TIME]), Outcome.CAME_TO_REST)
         elif mode != self._mode:
             rests = mode.rests and not self._mode.rests
             # the steps of what stops are as short as what is left of it, not the next's
-            self._length = FIRST * self._pace()
+            self._length = FIRST * stopping.pace(self._equations, self._y)
             self._go_on(begin(self._equations, self._y, mode))
             if rests:
                 self._turned(before=before)
@@ -387,7 +375,7 @@ class HybridIntegrator:
         """Continue with a transition, or end the motion."""
         self._now = now
         if now.at_once:
-            self._length = min(self._length, FIRST * self._pace())
+            self._length = min(self._length, FIRST * stopping.pace(self._equations, self._y))
         if now.ending is not None:
             self.watch.end(float(self._y[TIME]), now.ending)
 

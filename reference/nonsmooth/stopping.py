@@ -10,7 +10,7 @@ import numpy as np
 
 from reference.equations.contact_laws import Equations, Mode
 from reference.equations.frames import to_level
-from reference.equations.state_vector import LEAN, SLIP, TURN, Angles
+from reference.equations.state_vector import LEAN, SLIP, TURN, W2, Angles
 from reference.nonsmooth.level_spin import BESIDE, level_turning, with_level
 from reference.nonsmooth.segments import Segment
 from reference.problem.states import Floats
@@ -19,6 +19,28 @@ from reference.problem.states import Floats
 # own velocity. So is a slip that stops within such a sigma, however fast: what would be left of a
 # step no longer moves a double.
 STOPPED = 1e-14
+# Of a can that all but stands the time of the rim runs faster than the can moves: below this angular
+# velocity first and longest steps are shares of its reciprocal. Else each of the many phases of stick
+# and slip of a disk that comes to rest begins with twenty steps that double.
+CREEPS, CREEPING = 1e-2, 2.0
+# ln tan(phi/2) of a disk with 1e-9 rad to go: from there rolling resistance brings it to rest in a
+# time that goes as the square root of phi, in ever more phases of stick and slip.
+ALL_BUT_FLAT = -21.4
+
+
+def pace(equations: Equations, y: Floats) -> float:
+    """Return how much longer steps are than those of a can that moves at a rate of 1."""
+    speed = float(np.abs(y[TURN]).max())
+    return CREEPING / speed if equations.resistance and 0 < speed < CREEPS else 1.0
+
+
+def comes_to_rest(equations: Equations, y: Floats) -> bool:
+    """Return whether rolling resistance has all but stopped a disk that lies all but flat.
+
+    Such a disk does not fall as a can tips: phi goes as the square of the time that is left.
+    """
+    flat = equations.resistance > 0 and y[LEAN] < ALL_BUT_FLAT
+    return bool(flat and y[W2] ** 2 < np.exp(y[LEAN]))
 
 
 def left_of_slip(equations: Equations, y: Floats, mode: Mode) -> float:

@@ -173,7 +173,9 @@ class Effects:
         allowed = f"at least `mu` = {self.mu!r}, and given with `mu` alone"
         fits = self.mu_static is None or (self.mu is not None and self.mu_static >= self.mu)
         require(EffectError, "mu_static", self.mu_static, allowed, when=fits)
-        allowed = "zero with `rolling_resistance`: both oppose rolling, by laws that exclude another"
+        allowed = (
+            "zero with `rolling_resistance`: both oppose rolling, by laws that exclude another"
+        )
         fits = not (self.contour and self.rolling_resistance)
         require(EffectError, "contour", self.contour, allowed, when=fits)
         allowed = "at most 1: an arc of a larger radius reaches beyond the axis"

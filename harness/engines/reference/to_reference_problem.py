@@ -23,7 +23,10 @@ from reference.numerics.compiled import available
 from reference.problem.problem import LEAST
 
 HONOURS = frozenset(
-    {"slip", "drilling", "rolling_resistance", "damping", "rim", "tilt", "shake", "point_mass"}
+    {
+        *("slip", "drilling", "rolling_resistance", "contour_friction", "air_film"),
+        *("damping", "rim", "tilt", "shake", "point_mass"),
+    }
 )
 """Effects that a reference model carries: those of a rigid can that stays on the plane."""
 
@@ -86,6 +89,8 @@ def effects(scene: Scene) -> Effects:
     damping, rim, point = declared.damping, declared.rim, declared.point_mass
     return Effects(
         mu=None if slip is None else slip.mu,
+        mu_static=None if slip is None else slip.mu_static,
+        **_along_the_rim(scene),
         drilling=0.0 if drilling is None else drilling.length / R,
         rolling_resistance=0.0 if resistance is None else resistance.length / R,
         linear_damping=0.0 if damping is None else damping.linear * T,
@@ -96,6 +101,27 @@ def effects(scene: Scene) -> Effects:
         if point is None
         else Mass(share=point.mass / scene.can.mass, x=point.x / R, y=point.y / R, z=point.z / R),
     )
+
+
+def _along_the_rim(scene: Scene) -> dict[str, float]:
+    """Return the strengths of the laws that oppose theta', dimensionless.
+
+    Those of air are such that a film takes the power pi mu g R^2/phi^2 of steady rolling, and a
+    boundary layer as much where it is as thick as the gap (`reference.equations.dissipation`).
+    """
+    contour, air = scene.effects.contour_friction, scene.effects.air_film
+    T, can = natural_time(scene), scene.can
+    out: dict[str, float] = {}
+    if contour is not None:
+        out |= {"contour": contour.coulomb, "contour_damping": contour.viscous * T / can.mass}
+    if air is not None:
+        film = math.pi / 4.0 * air.viscosity * can.radius * T / can.mass
+        if air.density == 0.0:
+            out["film"] = film
+        else:
+            layer = math.sqrt(air.viscosity * T / air.density)
+            out["boundary_layer"] = film * can.radius / layer
+    return out
 
 
 def _gravity(scene: Scene) -> Gravity:
