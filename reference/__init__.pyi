@@ -1,4 +1,5 @@
 from .analysis.agreement import ENDING, Agreement
+from .analysis.coming_to_rest import Rest, coming_to_rest, is_regular
 from .analysis.conditioning import neighbours
 from .analysis.confirmation import differences
 from .analysis.lyapunov import PARTED, Divergence, divergence
@@ -70,6 +71,7 @@ __all__ = [
     "Problem",
     "ProblemError",
     "RefusedError",
+    "Rest",
     "Solution",
     "SolverError",
     "States",
@@ -78,6 +80,7 @@ __all__ = [
     "carries",
     "centre_position",
     "centre_velocity",
+    "coming_to_rest",
     "circle_radius",
     "critical_rolling_rate",
     "differences",
@@ -87,6 +90,7 @@ __all__ = [
     "friction_bound",
     "friction_ratio",
     "hypergeometric_pair",
+    "is_regular",
     "leading_constants",
     "leading_turn_without_friction",
     "locus_arc",

@@ -217,6 +217,7 @@ def model_answer(e: Evaluation, truth: Truth | None, asked: str) -> Answer:
         "method": None,
         "agreement": None,
         "phases": [],
+        "rest": None,
         "guard": None,
         "findings": _findings_json(e.findings),
         "divergence": divergence_json(e.divergence),
@@ -235,6 +236,7 @@ def model_answer(e: Evaluation, truth: Truth | None, asked: str) -> Answer:
         "why": _why(truth, asked),
         "method": truth.solution.method,
         "agreement": _agreement(truth.solution.agreement),
+        "rest": truth.rest,
         "phases": [
             {"kind": phase.kind.value, "start_s": phase.start, "end_s": phase.end}
             for phase in truth.phases
@@ -284,6 +286,11 @@ def sentences(answer: Answer) -> Iterable[str]:
     if len(phases) > 1 or any(phase["kind"] == "slip" for phase in phases):
         spelled = (f"{p['kind']} {p['start_s']:.6g} to {p['end_s']:.6g}" for p in phases)
         yield f"Phases, s: {', '.join(spelled)}."
+    if rest := answer["rest"]:
+        fitted = "" if rest["exponent"] is None else f"; fitted, {rest['exponent']:.4f}"
+        law = f" {rest['law'].capitalize()}: phi as " if rest["law"] else ""
+        power = f"(t_s - t)^p, p = {rest['exponent_predicted']:.4f}{fitted}." if law else ""
+        yield f"The can lies flat at {rest['t_f_s']:.12g} s.{law}{power}"
     yield from chaos_sentences(answer)
     if "derivatives" in answer:
         yield from derivatives_sentences(answer)

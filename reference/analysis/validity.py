@@ -10,6 +10,7 @@ from enum import Enum
 
 import numpy as np
 
+from reference.analysis.coming_to_rest import FLAT, is_regular
 from reference.equations.reaction_force import contact_force_in_world
 from reference.problem.outcome import Outcome
 from reference.problem.states import Floats, States
@@ -123,7 +124,8 @@ def _beyond_cone(
     solution: Solution, states: States, friction: Floats, normal: Floats
 ) -> list[Finding]:
     """Return the finding that a rim sticks with too little friction: the solution is wrong."""
-    mu = solution.problem.effects.mu
+    effects = solution.problem.effects
+    mu = effects.mu if effects.mu_static is None else effects.mu_static
     # of what ends where it begins the release is all there is, and nothing that sticks
     if mu is None or states.slip is None or solution.t_end == 0:
         return []
@@ -143,7 +145,7 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
     if seen is not None and not seen.holds and seen.sentence:
         findings.append(Finding(kind=FindingKind.DISAGREEMENT, sentence=seen.sentence))
     never_slips = solution.problem.effects.mu is None
-    if solution.outcome in ENDINGS:
+    if solution.outcome in ENDINGS and not is_regular(solution):
         sentence = f"{solution.outcome.value} {NONE_CARRIES}"
         findings.append(Finding(kind=FindingKind.ENDING, sentence=sentence))
     if solution.outcome in LIMITS:
@@ -156,7 +158,7 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
         findings.append(Finding(kind=FindingKind.PULL, sentence=sentence))
     elif never_slips and guard.friction_ratio > PLENTY:
         findings.append(_slippery(solution, guard.friction_ratio))
-    if guard.gap < ATOM and solution.outcome is not Outcome.FELL_FLAT:
+    if guard.gap < ATOM and solution.outcome not in FLAT:
         near = f"The far rim comes within {guard.gap:.2g} R of the plane, less than an atom: "
         sentence = f"{near}a real can touches it with more than one point. {NONE_CARRIES}"
         findings.append(Finding(kind=FindingKind.FAR_RIM, sentence=sentence))

@@ -18,7 +18,7 @@ from harness.engines.reference.truth import (
     solve_case,
 )
 from reference import Outcome as Ending
-from reference import Solution
+from reference import Solution, is_regular
 
 
 class ReferenceEngine:
@@ -96,4 +96,6 @@ def _ending(solution: Solution) -> tuple[Outcome, str]:
         return Outcome.FINISHED, solution.caveat
     if solution.outcome is Ending.OVERTURNED:
         return Outcome.OVERTURNED, solution.outcome.value
+    if is_regular(solution):
+        return Outcome.FLAT, solution.outcome.value
     return Outcome.NO_SOLUTION, solution.outcome.value

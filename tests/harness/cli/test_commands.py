@@ -68,6 +68,7 @@ MODEL = {
     "method",
     "agreement",
     "phases",
+    "rest",
     "guard",
     "findings",
     "divergence",
