@@ -102,7 +102,7 @@ bounces = 1
         (
             "[horizon]",
             "[effects]\nslip = { nu = 0.3 }\n[horizon]",
-            "key 'effects.slip.nu' is unknown; allowed are mu",
+            "key 'effects.slip.nu' is unknown; allowed are mu, mu_static",
         ),
         (
             "[horizon]",
@@ -138,8 +138,8 @@ bounces = 1
             "[effects]\nslide = { mu = 1 }\n[horizon]",
             (
                 "key 'effects.slide' is unknown, did you mean 'slip'? allowed are slip, "
-                "compliance, restitution, drilling, rolling_resistance, damping, rim, tilt, shake, "
-                "point_mass"
+                "compliance, restitution, drilling, rolling_resistance, contour_friction, "
+                "air_film, damping, rim, tilt, shake, point_mass"
             ),
         ),
     ],
