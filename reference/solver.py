@@ -272,6 +272,10 @@ def _dispatch(
     if model in {"coulomb", "general"} and method != "half-period":
         sentence = f"`method` of model {model!r} is 'half-period' alone, not {method!r}"
         raise SolverError("method", method, "half-period", sentence)
+    if compiled and model in {"coulomb", "general"}:
+        from reference.equations.compiled_equations import CompiledEquations
+
+        compiled = CompiledEquations.know(problem.effects)
     named = f"{method}, compiled" if compiled else method
     smaller: dict[str, Callable[[], tuple[Run, str]]] = {
         "pendulum": lambda: (_in_closed_form(problem, model), "closed form"),
@@ -328,6 +332,6 @@ def _with_phases(problem: Problem, model: str, *, locus: bool, compiled: bool) -
         equations = CoulombEquations(parameters=parameters, mu=mu, static=effects.mu_static)
     else:
         equations = GeneralEquations(parameters=parameters, effects=effects)
-    if compiled and CompiledEquations.know(effects):
+    if compiled:
         equations = CompiledEquations.of(equations, problem)
     return HybridIntegrator(problem, equations, locus=locus).run()

@@ -26,9 +26,9 @@ FLAT = -184.0
 # The same where the normal force is asked for: below 1e-26 its round-off would lift the can.
 FLAT_AND_PUSHED = -60.0
 # ln tan(phi/2) of a can that has 1e-8 rad to fall. From there its contact point, stopped by fluid
-# but for this share of its fall, is held: the little energy in that is the round-off of the rest,
+# but for this share of its fall, is held: what that takes is below the round-off of the energy,
 # and the stiffness of a film, which grows as 1/phi^2, is not followed to the end.
-LANDING, STOPPED_BY_FLUID = -19.1, 1e-7
+LANDING, STOPPED_BY_FLUID = -19.1, 1e-13
 # Of the fall of a parabola below three places: where these are less far from zero it is followed.
 NEAR_ZERO = 4.0
 # Share of a piece after which what begins with it has a direction.
