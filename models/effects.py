@@ -109,7 +109,7 @@ class Effects:
             if self.rolling_resistance is not None:
                 raise ModelError(
                     "effects `rolling_resistance` and `contour_friction` with coulomb contradict "
-                    "each other: both are a dry moment against rolling, each with a limit of its own"
+                    "each other: both are a dry moment against rolling, with a limit of its own"
                 )
         if self.compliance is not None and self.restitution is not None:
             raise ModelError(

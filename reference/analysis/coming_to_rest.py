@@ -1,8 +1,8 @@
 """The end of a disk that spins down: the time at which it lies flat, and how phi goes there.
 
-In steady rolling about a centre at rest the energy of a flat disk is 3/2 phi and theta' is about
-2 phi^(-1/2), dimensionless. A law that takes the power K phi^q then lets phi fall as (t_s - t)^p
-with p = 1/(1 - q):
+In steady rolling about a centre at rest the energy of a thin disk above that of lying flat is 3/2
+phi, and theta' is about -2 phi^(-1/2), dimensionless. A law that takes the power K phi^q then lets
+phi fall as (t_s - t)^p with p = 1/(1 - q):
 
     film of air (Moffatt)               q = -2       p = 1/3
     boundary layers of air (Bildsten)   q = -5/4     p = 4/9

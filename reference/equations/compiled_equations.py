@@ -4,7 +4,7 @@ Beside another set of equations, whose numbers they give to within round-off; th
 (`reference.equations.kernels`) are imported with the first state, numba with them.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf
 
 import numpy as np
@@ -51,8 +51,7 @@ class CompiledEquations:
     @staticmethod
     def know(effects: Effects) -> bool:
         """Return whether the kernels know every law of these effects."""
-        others = {name: 0.0 for name in ALONG_THE_RIM}
-        return effects == replace(effects, mu_static=None, **others)
+        return effects.mu_static is None and not any(getattr(effects, n) for n in ALONG_THE_RIM)
 
     @classmethod
     def of(cls, plain: Equations, problem: Problem) -> "CompiledEquations":

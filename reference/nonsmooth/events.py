@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 
 from reference.equations.compiled_equations import CompiledEquations, laws_of
-from reference.equations.contact_laws import Contact, Equations
+from reference.equations.contact_laws import Contact, Equations, Mode
 from reference.equations.state_vector import LEAN, TIME, U1, U2, W2, rotation
 from reference.nonsmooth.level_spin import stands
 from reference.nonsmooth.segments import Segment
@@ -208,11 +208,17 @@ def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[EventKi
         margins[EventKind.HELD] = lambda seen: mode.turns * equations.turning(seen.y)
     elif equations.drilling:
         margins[EventKind.TURNS] = lambda seen: holding(equations, seen.contact)
-    if equations.fluid and not (mode.lands or mode.rests):
+    return margins if mode.lands else margins | _along_the_rim(mode, equations)
+
+
+def _along_the_rim(mode: Mode, equations: Equations) -> dict[EventKind, Margin]:
+    """Return the quantities of the motion of the contact point along the rim."""
+    margins: dict[EventKind, Margin] = {}
+    if equations.fluid and not mode.rests:
         margins[EventKind.LANDS] = lambda seen: _to_landing(seen.y)
-    if equations.contour and mode.runs and not mode.lands:
+    if equations.contour and mode.runs:
         margins[EventKind.STANDS] = lambda seen: mode.runs * rotation(seen.y)
-    elif equations.contour and not mode.lands:
+    elif equations.contour:
         margins[EventKind.RUNS] = lambda seen: holding_on_rim(equations, seen.contact, seen.y)
     return margins
 

@@ -384,13 +384,7 @@ class HybridIntegrator:
         # what begins has its direction, though there is no step
         if self._now.at_once:
             series[:, 1] = HARDLY * self._guess(1.0)[:, -1]
-        return Segment(
-            start=self._y,
-            coefficients=series,
-            cut=1.0,
-            length=0.0,
-            mode=self._mode,
-        )
+        return Segment(start=self._y, coefficients=series, cut=1.0, length=0.0, mode=self._mode)
 
     def _phases(self, end_times: list[float]) -> list[Phase]:
         phases: list[Phase] = []

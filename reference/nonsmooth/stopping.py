@@ -19,9 +19,9 @@ from reference.problem.states import Floats
 # own velocity. So is a slip that stops within such a sigma, however fast: what would be left of a
 # step no longer moves a double.
 STOPPED = 1e-14
-# Of a can that all but stands the time of the rim runs faster than the can moves: below this angular
-# velocity first and longest steps are shares of its reciprocal. Else each of the many phases of stick
-# and slip of a disk that comes to rest begins with twenty steps that double.
+# Of a can that all but stands the time of the rim runs faster than the can moves: below this
+# angular velocity first and longest steps are shares of its reciprocal. Else each of the many
+# phases of stick and slip of a disk that comes to rest begins with twenty steps that double.
 CREEPS, CREEPING = 1e-2, 2.0
 # ln tan(phi/2) of a disk with 1e-9 rad to go: from there rolling resistance brings it to rest in a
 # time that goes as the square root of phi, in ever more phases of stick and slip.

@@ -123,7 +123,7 @@ def settled(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransit
 
 
 def land(equations: Equations, y: Floats, mode: Mode) -> tuple[Floats, ModeTransition]:
-    """Return a state whose contact point, stopped by fluid, is held on the rim, and what follows."""
+    """Return a state whose contact point, stopped by fluid, is held, and what follows."""
     at, y = Angles.of(y[LEAN]), y.copy()
     y[W1] = y[W3] * at.S / at.C
     return y, begin(equations, y, replace(mode, runs=0, lands=True))

@@ -207,7 +207,7 @@ def test_a_friction_beyond_its_cone_by_1e_8_of_the_weight_or_of_itself_is_wrong(
 class Plane:
     """Equations of a plane as far as what holds on it is concerned."""
 
-    mu: float = 0.5
+    mu_static: float = 0.5
     resistance: float = 0.25
     drilling: float = 0.125
 
