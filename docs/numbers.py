@@ -28,7 +28,7 @@ from docs.formatting import (
     markdown,
 )
 from docs.history import history
-from docs.studies import gradients, stability, tolerance
+from docs.studies import dissipation, gradients, stability, tolerance
 from harness.core.errors import HarnessError
 from harness.engines.registry import description_of, is_constraint
 from harness.execution.atomic_write import write_atomically
@@ -327,6 +327,7 @@ SOURCES: Mapping[str, Source] = {
         stability,
         tolerance,
         gradients,
+        dissipation,
         gate,
         benchmark,
         audit,

@@ -1,10 +1,11 @@
-"""Numbers of the texts on studies: stability, tolerance, gradients."""
+"""Numbers of the texts on studies: stability, tolerance, gradients, dissipation."""
 
+import json
 import math
 
 import pandas as pd
 
-from docs.formatting import ENGINES, csv, digits, markdown
+from docs.formatting import BASELINE, ENGINES, csv, digits, markdown
 
 _PROFILES = {"default": "as it ships", "matched": "matched", "adaptive": "adaptive"}
 
@@ -124,3 +125,19 @@ def _columns(by: pd.DataFrame) -> list[str]:
 def _share(error: float) -> str:
     """Return a relative error in percent, or a dash where there is none."""
     return "-" if math.isnan(error) else f"{digits(100.0 * error, 2)} %"
+
+
+_DISSIPATION = ("film", "boundary-layer", "contour-viscous", "contour-dry", "rolling-resistance")
+
+
+def dissipation() -> dict[str, str]:
+    """Return how a disk comes to rest under each law: exponents of theory and of the motion."""
+    rows = []
+    for name in _DISSIPATION:
+        file = BASELINE / f"dissipation-{name}" / "printed.json"
+        rest = json.loads(file.read_text(encoding="utf-8"))["rest"]
+        window = f"{digits(rest['from_phi_rad'], 2)} to {digits(rest['to_phi_rad'], 2)}"
+        numbers = (rest["exponent_predicted"], rest["exponent"])
+        rows.append([rest["law"], *(f"{p:.4f}" for p in numbers), f"{rest['t_f_s']:.6f}", window])
+    head = ("law", "p of the theory", "p, fitted", "flat at, s", "fitted from and to, rad")
+    return {"table": markdown(head, rows)}
