@@ -146,7 +146,8 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
         findings.append(Finding(kind=FindingKind.DISAGREEMENT, sentence=seen.sentence))
     never_slips = solution.problem.effects.mu is None
     if solution.outcome in ENDINGS and not is_regular(solution):
-        sentence = f"{solution.outcome.value} {NONE_CARRIES}"
+        where = _laws_and_state(solution) if solution.outcome in PARADOXES else ""
+        sentence = f"{solution.outcome.value} {where}{NONE_CARRIES}"
         findings.append(Finding(kind=FindingKind.ENDING, sentence=sentence))
     if solution.outcome in LIMITS:
         findings.append(Finding(kind=FindingKind.LIMIT, sentence=solution.outcome.value))
@@ -163,6 +164,25 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
         sentence = f"{near}a real can touches it with more than one point. {NONE_CARRIES}"
         findings.append(Finding(kind=FindingKind.FAR_RIM, sentence=sentence))
     return findings
+
+
+def _laws_and_state(solution: Solution) -> str:
+    """Return the sentence that names the laws of friction and the state of a paradox."""
+    effects, end = solution.problem.effects, solution.at(solution.t_end)
+    laws = {
+        "mu": effects.mu,
+        "mu_static": effects.mu_static,
+        "an arm of drilling": effects.drilling,
+        "an arm of rolling resistance": effects.rolling_resistance,
+        "a coefficient along the rim": effects.contour,
+    }
+    named = [f"{name} {value:g}" for name, value in laws.items() if value]
+    slip = 0.0 if end.slip is None else float(np.hypot(*end.slip[0]))
+    return (
+        f"The law has {', '.join(named) or 'no friction'}; the state is phi = {end.phi[0]:.6g} rad, "
+        f"phi' = {end.phi_dot[0]:.4g}, psi' = {end.psi_dot[0]:.4g}, theta' = {end.theta_dot[0]:.4g} "
+        f"sqrt(g/R), slipping at {slip:.4g} sqrt(g R). "
+    )
 
 
 def _slippery(solution: Solution, ratio: float) -> Finding:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from models import SceneFileError, read_scene
+from models import SceneFileError, read_scene, write_scene
 
 GOOD = """\
 name = "a-scene"
@@ -153,3 +153,41 @@ def test_each_wrong_effect_has_its_sentence(
     with pytest.raises(SceneFileError) as caught:
         read_scene(path)
     assert str(caught.value) == f"scene file '{path}': {expected}"
+
+
+@pytest.mark.parametrize(
+    ("effects", "key"),
+    [
+        ("slip = { mu = 0.3, mu_static = 0.2 }", "effects.slip.mu_static"),
+        ("contour_friction = { coulomb = -0.1 }", "effects.contour_friction.coulomb"),
+        ("contour_friction = {}", "effects.contour_friction.coulomb"),
+        ("contour_friction = { viscous = nan }", "effects.contour_friction.viscous"),
+        ("air_film = { viscosity = 0.0 }", "effects.air_film.viscosity"),
+        ("air_film = { viscosity = 1e-5, density = -1.0 }", "effects.air_film.density"),
+        ("air_film = { density = 1.2 }", "effects.air_film.viscosity"),
+        (
+            "contour_friction = { coulomb = 0.1 }\nrolling_resistance = { length = 0.1 }",
+            "`rolling_resistance` and `contour_friction`",
+        ),
+        ("slip = { mu = 0.0 }\ncontour_friction = { coulomb = 0.1 }", "`slip` with mu 0"),
+    ],
+)
+def test_laws_that_make_no_sense_are_refused_by_key(tmp_path: Path, effects: str, key: str) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(GOOD.replace("[horizon]", f"[effects]\n{effects}\n[horizon]"))
+    with pytest.raises(SceneFileError) as caught:
+        read_scene(path)
+    assert key in str(caught.value)
+
+
+def test_equal_coefficients_are_one_and_a_scene_of_old_keeps_its_keys(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    read = []
+    for slip in ("{ mu = 0.3 }", "{ mu = 0.3, mu_static = 0.3 }", "{ mu = 0.3, mu_static = 0.4 }"):
+        path.write_text(GOOD.replace("[horizon]", f"[effects]\nslip = {slip}\n[horizon]"))
+        read.append(read_scene(path))
+    assert read[0] == read[1]
+    assert read[0].to_dict()["effects"] == {"slip": {"mu": 0.3}}
+    assert read[2].to_dict()["effects"] == {"slip": {"mu": 0.3, "mu_static": 0.4}}
+    path.write_text(write_scene(read[2]))
+    assert read_scene(path) == read[2]

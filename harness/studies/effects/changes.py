@@ -240,7 +240,7 @@ class EffectsResults:
 def _strength(law: Any) -> str:  # noqa: ANN401 - a dataclass of `models.effects`
     """Return the constants of the law of an effect that are not zero."""
     constants = ((field.name, getattr(law, field.name)) for field in fields(law))
-    return ", ".join(f"{key} = {value:g}" for key, value in constants if value != 0.0)
+    return ", ".join(f"{key} = {value:g}" for key, value in constants if value)
 
 
 def _ratio(runs: Sequence[Evaluation], amounts: Sequence[Number]) -> Number:
