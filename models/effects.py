@@ -121,6 +121,11 @@ class Effects:
         """Return the names of the effects that are present, in the order of the fields."""
         return tuple(field.name for field in fields(self) if getattr(self, field.name) is not None)
 
+    def demanded(self) -> tuple[str, ...]:
+        """Return the effects that are present, and constants that an engine may not know."""
+        static = self.slip is not None and self.slip.mu_static is not None
+        return (*self.declared(), *(("slip.mu_static",) if static else ()))
+
 
 KINDS: MappingProxyType[str, type[Any]] = MappingProxyType(
     {

@@ -361,7 +361,7 @@ def missing_effects(name: str, scene: Scene) -> tuple[str, ...]:
     one of them where the can is released above the plane, and the engine holds it there.
     """
     flies = scene.release.height > 0.0 and is_constraint(name)
-    unable, declared = (FLIGHT,) if flies else (), scene.effects.declared()
+    unable, declared = (FLIGHT,) if flies else (), scene.effects.demanded()
     if not declared:
         return unable
     capabilities = engine(name).capabilities

@@ -10,16 +10,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.analysis.tangent_motion import motion_tangents
+from reference.analysis.tangent_motion import constants, motion_tangents
 from reference.integrable.derivatives import NO_PATH, QUANTITIES, bounce_tangents
 from reference.integrable.exact_motion import ExactPath, exact_path
 from reference.integrable.tangents import BY
 from reference.numerics.jets import Jet
+from reference.problem.effects import ALONG_THE_RIM
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 
 # phi_max this near the balanced can, over phi_max, is beside a separatrix.
 NEAR = 1e-3
+NO_TANGENT = (
+    "The variational equations know no contour friction, no film of air and no static friction "
+    "above the kinetic: no derivative is given."
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,6 +67,11 @@ def sensitivity(problem: Problem) -> Sensitivity:
     problem : Problem
         Its horizon does not matter.
     """
+    effects = problem.effects
+    if effects.mu_static is not None or any(getattr(effects, name) for name in ALONG_THE_RIM):
+        return _filled(
+            (*BY, *constants(effects)), {}, dict.fromkeys(QUANTITIES, NO_TANGENT), "", ()
+        )
     path = None if problem.effects.declared() else exact_path(problem, locus=False)
     if isinstance(path, ExactPath):
         jets, why = bounce_tangents(problem, path)

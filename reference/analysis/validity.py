@@ -179,8 +179,9 @@ def _laws_and_state(solution: Solution) -> str:
     named = [f"{name} {value:g}" for name, value in laws.items() if value]
     slip = 0.0 if end.slip is None else float(np.hypot(*end.slip[0]))
     return (
-        f"The law has {', '.join(named) or 'no friction'}; the state is phi = {end.phi[0]:.6g} rad, "
-        f"phi' = {end.phi_dot[0]:.4g}, psi' = {end.psi_dot[0]:.4g}, theta' = {end.theta_dot[0]:.4g} "
+        f"The law has {', '.join(named) or 'no friction'}; the state is phi = {end.phi[0]:.6g} "
+        f"rad, phi' = {end.phi_dot[0]:.4g}, psi' = {end.psi_dot[0]:.4g}, theta' = "
+        f"{end.theta_dot[0]:.4g} "
         f"sqrt(g/R), slipping at {slip:.4g} sqrt(g R). "
     )
 

@@ -27,8 +27,8 @@ class Outcome(Enum):
         "indeterminate (Painleve's paradox)."
     )
     JAMMED = (
-        "The contact jams: under its friction its mobility along the normal falls to zero, where the "
-        "force of the plane has no bound (dynamic jamming, in Painleve's paradox)."
+        "The contact jams: under its friction its mobility along the normal falls to zero, where "
+        "the force of the plane has no bound (dynamic jamming, in Painleve's paradox)."
     )
     OUTWORKED = (
         "The motion calls for more than 200000 evaluations of its equations: it is not followed "

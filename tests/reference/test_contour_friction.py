@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from reference import PAPER_CAN, EffectError, Effects, Outcome, Problem, Solution, solve
+from reference.analysis.sensitivity import NO_TANGENT, sensitivity
 from reference.equations.contact_laws import Mode
 from reference.equations.newton_euler import GeneralEquations
 from reference.equations.state_vector import DISSIPATED, SUPPLIED
@@ -191,3 +192,10 @@ def test_what_makes_no_sense_is_refused_by_its_key(key: str, values: dict[str, f
 def test_a_smaller_model_is_refused() -> None:
     with pytest.raises(SolverError, match="general"):
         solve(replace(RELEASE, effects=LAWS["film"]), model="coulomb")
+
+
+@pytest.mark.parametrize("effects", [LAWS["dry"], LAWS["film"], Effects(mu=0.5, mu_static=0.6)])
+def test_derivatives_that_are_not_there_say_so(effects: Effects) -> None:
+    own = sensitivity(replace(RELEASE, duration=None, bounces=1, effects=effects))
+    assert np.isnan(np.concatenate(list(own.derivatives.values()))).all()
+    assert set(own.why.values()) == {NO_TANGENT}

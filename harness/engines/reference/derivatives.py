@@ -139,7 +139,8 @@ def scene_numbers(scene: Scene) -> dict[str, float]:
     for name in scene.effects.declared():
         effect = getattr(scene.effects, name)
         for field in fields(effect):
-            out[f"effects.{name}.{field.name}"] = getattr(effect, field.name)
+            if (value := getattr(effect, field.name)) is not None:
+                out[f"effects.{name}.{field.name}"] = value
     return out
 
 

@@ -24,7 +24,14 @@ from reference.problem.problem import LEAST
 
 HONOURS = frozenset(
     {
-        *("slip", "drilling", "rolling_resistance", "contour_friction", "air_film"),
+        *(
+            "slip",
+            "slip.mu_static",
+            "drilling",
+            "rolling_resistance",
+            "contour_friction",
+            "air_film",
+        ),
         *("damping", "rim", "tilt", "shake", "point_mass"),
     }
 )
