@@ -124,7 +124,7 @@ class Effects:
     def demanded(self) -> tuple[str, ...]:
         """Return the effects that are present, and constants that an engine may not know."""
         static = self.slip is not None and self.slip.mu_static is not None
-        return (*self.declared(), *(("slip.mu_static",) if static else ()))
+        return (*self.declared(), *(OPTIONAL_CONSTANTS if static else ()))
 
 
 KINDS: MappingProxyType[str, type[Any]] = MappingProxyType(
@@ -154,6 +154,9 @@ def modelling_choices(effects: Effects) -> tuple[str, ...]:
     """Return a sentence for each effect that is declared, in the order of the fields."""
     return tuple(MODELLING_CHOICES[name] for name in effects.declared())
 
+
+OPTIONAL_CONSTANTS = ("slip.mu_static",)
+"""Constants that an engine may not know though it knows the effect: it names them as honoured."""
 
 IDEAL = Effects()
 """No effect at all: rigid, no slip, no loss, level, at rest."""
