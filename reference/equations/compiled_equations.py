@@ -48,10 +48,16 @@ class CompiledEquations:
     resistance: float
     bilateral_normal: bool
 
+    @property
+    def patch(self) -> float:
+        """A point: there are no kernels of a patch."""
+        return 0.0
+
     @staticmethod
     def know(effects: Effects) -> bool:
         """Return whether the kernels know every law of these effects."""
-        return effects.mu_static is None and not any(getattr(effects, n) for n in ALONG_THE_RIM)
+        own = (effects.patch, *(getattr(effects, name) for name in ALONG_THE_RIM))
+        return effects.mu_static is None and not any(own)
 
     @classmethod
     def of(cls, plain: Equations, problem: Problem) -> "CompiledEquations":

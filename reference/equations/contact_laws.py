@@ -38,6 +38,7 @@ class Mode:
     Attributes
     ----------
     slips : bool
+        Of a patch of contact: whether it slips or turns.
     turns : int
         Sense of turning about the normal where that meets friction; 0 where friction holds it, and
         where there is none.
@@ -110,6 +111,11 @@ class Equations(Protocol):
     @property
     def mu_static(self) -> float:
         """Coefficient of friction up to which the rim sticks, at least `mu`."""
+        ...
+
+    @property
+    def patch(self) -> float:
+        """Radius of the patch in which the rim touches; zero is a point."""
         ...
 
     @property

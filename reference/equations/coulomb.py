@@ -72,6 +72,11 @@ class CoulombEquations:
         return self.mu if self.static is None else self.static
 
     @property
+    def patch(self) -> float:
+        """A point: turning about the normal meets no friction."""
+        return 0.0
+
+    @property
     def contour(self) -> float:
         """No friction along the rim."""
         return 0.0

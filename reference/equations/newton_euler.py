@@ -17,6 +17,9 @@ force:
 
     F = -mu N u/|u|,    Q_z = -l_d N sign(w_z),    Q_h = -l_r N w_h/|w_h|.
 
+A patch of contact shares one friction between F and Q_z (`reference.equations.patch_friction`); it
+is held as a whole, or moves.
+
 A rim rounded to an arc of radius r touches at p_O = -(1 - r) e1 - (h - r) e3 - r z from the can's
 centre; e1, e2, e3 are the axes of frame B and z = S e1 + C e3 is the vertical. Everything is times
 S, in the time of `reference.equations.state_vector`, and analytic in the state: complex states
@@ -24,13 +27,14 @@ give derivatives
 (`reference.analysis.variational`).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from reference.equations.contact_laws import Contact, Mode
 from reference.equations.dissipation import along_the_rim, moment_of_fluid
 from reference.equations.frames import applied, cross, dot, length, to_body, to_level, to_precessing
+from reference.equations.patch_friction import friction_of_patch
 from reference.equations.state_vector import (
     DISSIPATED,
     LEAN,
@@ -102,6 +106,11 @@ class GeneralEquations:
         return self.mu if self.effects.mu_static is None else self.effects.mu_static
 
     @property
+    def patch(self) -> float:
+        """Radius of the patch in which the rim touches; zero is a point."""
+        return self.effects.patch
+
+    @property
     def contour(self) -> float:
         """Coefficient of dry friction along the rim."""
         return self.effects.contour
@@ -140,12 +149,26 @@ class GeneralEquations:
 
     def contact(self, y: Floats, mode: Mode) -> Contact:
         """Return force and accelerations at the contact, from states of shape (13, n)."""
-        return self._contact(y, mode, self._setting(y, mode))
+        return self._contact(y, mode, self._setting(y, mode), self._law(y, mode))
+
+    def begun(self, y: Floats, mode: Mode, motion: Floats) -> Contact:
+        """Return the same of a patch at rest that begins to move: with the friction of `motion`.
+
+        Parameters
+        ----------
+        y : ndarray, shape (13, n)
+        mode : Mode
+            In which the patch moves.
+        motion : ndarray, shape (3, n)
+            Directions of (u1, u2, a omega_z).
+        """
+        here = self._setting(y, replace(mode, slips=False))
+        return self._contact(y, mode, here, self._law(y, mode, motion))
 
     def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
         """Rates of all rows in sigma, shape (13, n); zero without `along` of what nothing needs."""
         e, here = self.effects, self._setting(y, mode)
-        at, contact = here.at, self._contact(y, mode, here)
+        at, contact = here.at, self._contact(y, mode, here, self._law(y, mode))
         w1, w2, w3 = y[TURN]
         # without level turning the axes stay, to the last bit
         rotation = np.zeros_like(w1) if self._still(mode) else at.S * w3 - at.C * w1
@@ -193,6 +216,9 @@ class GeneralEquations:
         """Return whether friction holds the contact point on the rim: theta' = 0."""
         return mode.rests or self._held_on_rim(mode)
 
+    def _held_about_normal(self, mode: Mode) -> bool:
+        return bool(self.patch and not mode.slips) or bool(self.drilling and not mode.turns)
+
     def _held_on_rim(self, mode: Mode) -> bool:
         return mode.lands or (self.contour > 0 and not mode.runs)
 
@@ -233,7 +259,7 @@ class GeneralEquations:
 
     def moments_that_hold(self, mode: Mode) -> list[int]:
         """Return the components of (w, u) that moments of friction hold at zero in a mode."""
-        turning = [TURNING_Z] if self.drilling and not mode.turns else []
+        turning = [TURNING_Z] if self._held_about_normal(mode) else []
         running = [ROLLING_1] if self._held_on_rim(mode) else []
         return [*turning, *([ROLLING_1, ROLLING_2] if mode.rests else running)]
 
@@ -259,12 +285,21 @@ class GeneralEquations:
         change = D[:, moments] - answers @ np.linalg.solve(answers[rim], D[np.ix_(rim, moments)])
         return np.concatenate([to_body(change[:3], here.at), change[[SLIP_1, SLIP_2]]])
 
-    def _law(self, y: Floats, mode: Mode) -> Floats:
-        """Return the moments and forces that a unit of normal force causes, shape (6, n)."""
+    def _law(self, y: Floats, mode: Mode, motion: Floats | None = None) -> Floats:
+        """Return the moments and forces that a unit of normal force causes, shape (6, n).
+
+        A patch has those of `motion`, (u1, u2, a omega_z), if it is given.
+        """
         e = self.effects
-        law = np.zeros((6, y.shape[1]), dtype=y.dtype)
+        kind = y.dtype if motion is None else np.result_type(y, motion)
+        law = np.zeros((6, y.shape[1]), dtype=kind)
         law[NORMAL] = 1.0
-        if mode.slips:
+        if mode.slips and e.patch:
+            if motion is None:
+                motion = np.array([y[U1], y[U2], e.patch * self.turning(y)])
+            shared = self.mu * friction_of_patch(motion)
+            law[[SLIP_1, SLIP_2]], law[TURNING_Z] = shared[:2], e.patch * shared[2]
+        elif mode.slips:
             law[[SLIP_1, SLIP_2]] = -self.mu * y[[U1, U2]] / length(y[U1], y[U2])
         if e.drilling and mode.turns:
             law[TURNING_Z] = -e.drilling * mode.turns
@@ -275,7 +310,7 @@ class GeneralEquations:
             law[[ROLLING_1, ROLLING_2]] = -e.rolling_resistance * level / length(*level)
         return law
 
-    def _contact(self, y: Floats, mode: Mode, here: Setting) -> Contact:
+    def _contact(self, y: Floats, mode: Mode, here: Setting, law: Floats) -> Contact:
         e, at, w = self.effects, here.at, here.turning
         inverse: Floats = np.asarray(np.linalg.inv(np.moveaxis(here.inertia, -1, 0)))
         momentum = applied(here.inertia, w)
@@ -290,12 +325,11 @@ class GeneralEquations:
         held = [NORMAL]
         if not mode.slips:
             held = [SLIP_1, SLIP_2, NORMAL]
-        if e.drilling and not mode.turns:
+        if self._held_about_normal(mode):
             held = [TURNING_Z, *held]
         held = [ROLLING_1, *held] if self._held_on_rim(mode) and not mode.rests else held
         if mode.rests:
             held = [ROLLING_1, ROLLING_2, *held]
-        law = self._law(y, mode)
         start = np.concatenate([to_level(free, at), to_level(slide, at)])
         if self._held_on_rim(mode):
             # theta' = 0 is kept in directions that precess with the can

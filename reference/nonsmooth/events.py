@@ -14,8 +14,9 @@ import scipy
 
 from reference.equations.compiled_equations import CompiledEquations, laws_of
 from reference.equations.contact_laws import Contact, Equations, Mode
-from reference.equations.state_vector import LEAN, TIME, U1, U2, W2, rotation
+from reference.equations.state_vector import LEAN, TIME, W2, rotation
 from reference.nonsmooth.level_spin import stands
+from reference.nonsmooth.patch_onset import moving, rim_of
 from reference.nonsmooth.segments import Segment
 from reference.nonsmooth.slip_onset import LEAN_OF_CAN, holding, holding_on_rim, reserve
 from reference.problem.states import Floats
@@ -122,7 +123,7 @@ def events(piece: Segment, equations: Equations, t_end: float) -> list[Event]:
     begun = np.ones(looks.size, dtype=bool)
     if piece.mode.slips:
         # a slip that begins has no direction yet, and so no contact
-        begun &= np.hypot(y[U1], y[U2]) > 0
+        begun &= np.hypot.reduce(moving(equations, y)) > 0
     if equations.resistance and not piece.mode.rests:
         # nor has a rolling that does
         begun &= np.logical_not(stands(y))
@@ -203,7 +204,8 @@ def _margins(piece: Segment, equations: Equations, t_end: float) -> dict[EventKi
     if mode.slips or equations.drilling or equations.resistance or equations.contour:
         margins[EventKind.JAMS] = lambda seen: seen.contact.normal_mobility - LEAST_MOBILITY
     if not mode.slips and np.isfinite(equations.mu):
-        margins[EventKind.SLIPS] = lambda seen: reserve(equations, seen.contact)
+        rim = rim_of(equations)
+        margins[EventKind.SLIPS] = lambda seen: reserve(equations, seen.contact, rim)
     if equations.drilling and mode.turns:
         margins[EventKind.HELD] = lambda seen: mode.turns * equations.turning(seen.y)
     elif equations.drilling:

@@ -28,6 +28,7 @@ from reference.equations.state_vector import (
 from reference.nonsmooth import stopping
 from reference.nonsmooth.events import Event, EventKind, events
 from reference.nonsmooth.level_spin import HARDLY, level_turning, stands
+from reference.nonsmooth.patch_onset import moving, rim_of
 from reference.nonsmooth.radau_iia import (
     STAGES,
     basis,
@@ -100,11 +101,12 @@ class HybridIntegrator:
         self._length = FIRST
         self._evaluations = 0
         self._pieces: list[Segment] = []
-        mode = Mode(slips=problem.slip != (0.0, 0.0))
+        mode = Mode(slips=bool(moving(equations, self._y).any()))
         if equations.resistance and stands(self._y[:, None])[0]:
             self._y, mode = at_rest(self._y, mode)
         now = begin(equations, self._y, mode)
-        rates = equations.rates(now.infinitesimal(self._y), now.mode)[:, 0]
+        slowly = now.infinitesimal(self._y, rim_of(equations))
+        rates = equations.rates(slowly, now.mode)[:, 0]
         self.watch = ExtremumRecorder(problem, fall=-float(rates[W2] / rates[TIME]))
         self._go_on(now)
 
@@ -153,7 +155,7 @@ class HybridIntegrator:
                 self._y[rows],
                 length,
                 self._guess(length)[rows],
-                lambda core: sizes(rows, core),
+                lambda core: self._sizes(rows, core),
             )
             self._evaluations += taken.evaluations * STAGES
             if taken.change is None or not self._sets_out(taken.change[:, 0], rows):
@@ -239,7 +241,7 @@ class HybridIntegrator:
         y = self._y.copy()
         y[rows] += change
         now = self._now
-        along = now.slip is None or float(y[SLIP] @ now.slip.direction) > 0
+        along = now.slip is None or float(moving(self._equations, y) @ now.slip.direction) > 0
         level = level_turning(y[:, None])[:, 0]
         return along and (now.roll is None or float(level @ now.roll.direction) > 0)
 
@@ -249,6 +251,14 @@ class HybridIntegrator:
             return LONGEST
         here = self._equations, self._y, self._mode
         return SHARE * min(left_of_slip(*here), left_of_roll(*here))
+
+    def _sizes(self, rows: Index, core: Floats) -> Floats:
+        size = sizes(rows, core)
+        if self._equations.patch and self._mode.slips:
+            # a patch that turns has a friction of the size of its turning
+            turn = np.abs(core[1:4]).max(axis=0)
+            size[-2:] = np.maximum(size[-2:], self._equations.patch * turn)
+        return size
 
     def _rates(self, core: Floats, rows: Index) -> Floats:
         full = np.repeat(self._y[:, None], core.shape[1], axis=1).astype(core.dtype)

@@ -50,6 +50,7 @@ The level part of the angular velocity begins in the same way, under the moment 
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -83,6 +84,20 @@ class SlipOnset:
     def direction(self) -> Floats:
         """Return the unit vector of the direction, shape (2,)."""
         return np.array([np.cos(self.angle), np.sin(self.angle)])
+
+
+class Onset(Protocol):
+    """How a motion begins: its acceleration in sigma, and its direction."""
+
+    @property
+    def size(self) -> float:
+        """Acceleration along the direction."""
+        ...
+
+    @property
+    def direction(self) -> Floats:
+        """Unit vector, shape (2,), or (3,) of a patch."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -136,13 +151,13 @@ LEAN_OF_CAN = UnilateralHold(
 def slack(equations: Equations, contact: Contact, rest: UnilateralHold = RIM) -> Floats:
     """Return the unused part of the cone of a contact at rest, (mu N - |F|) sin phi, shape (n,)."""
     reaction, limit = rest.reaction(equations, contact)
-    return np.asarray(limit - np.hypot(*reaction))
+    return np.asarray(limit - np.hypot.reduce(reaction))
 
 
 def reserve(equations: Equations, contact: Contact, rest: UnilateralHold = RIM) -> Floats:
     """Return the margin to the end of a hold, `BEYOND` its cone, times sin phi, shape (n,)."""
     reaction, limit = rest.reaction(equations, contact)
-    return np.asarray((1 + BEYOND) * limit - np.hypot(*reaction))
+    return np.asarray((1 + BEYOND) * limit - np.hypot.reduce(reaction))
 
 
 def holding(equations: Equations, contact: Contact) -> Floats:

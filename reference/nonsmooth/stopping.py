@@ -12,6 +12,7 @@ from reference.equations.contact_laws import Equations, Mode
 from reference.equations.frames import to_level
 from reference.equations.state_vector import LEAN, SLIP, TURN, W2, Angles
 from reference.nonsmooth.level_spin import BESIDE, level_turning, with_level
+from reference.nonsmooth.patch_onset import moving, rim_of, with_turning
 from reference.nonsmooth.segments import Segment
 from reference.problem.states import Floats
 
@@ -54,6 +55,10 @@ def left_of_slip(equations: Equations, y: Floats, mode: Mode) -> float:
     """
     if not mode.slips:
         return np.inf
+    if equations.patch:
+        contact = equations.contact(y[:, None], mode)
+        slowing = rim_of(equations).acceleration(contact, y[:, None])[:, 0]
+        return _until_none(moving(equations, y), slowing)
     rates = equations.rates(y[:, None], mode, along=False)
     return _until_none(y[SLIP], rates[SLIP, 0])
 
@@ -82,9 +87,14 @@ def left_of_roll(equations: Equations, y: Floats, mode: Mode) -> float:
 def halted(equations: Equations, y: Floats, mode: Mode) -> tuple[Floats, Mode]:
     """Return a state without a slip or rolling that has stopped, and the mode that holds it."""
     left = left_of_slip(equations, y, mode)
-    if left <= STOPPED or (np.hypot(*y[SLIP]) <= STOPPED and np.isfinite(left)):
+    # beside a turning about a level axis that about the normal has its round-off
+    least = STOPPED + equations.patch * BESIDE * float(np.abs(y[TURN]).max())
+    slow = np.hypot.reduce(moving(equations, y)) <= least
+    if left <= STOPPED or (slow and np.isfinite(left)):
         y, mode = y.copy(), replace(mode, slips=False)
         y[SLIP] = 0.0
+        if equations.patch:
+            y = with_turning(y[:, None], np.zeros(1))[:, 0]
     if not equations.resistance:
         return y, mode
     # beside a turning about the vertical the little that is left has no direction
@@ -101,6 +111,6 @@ def at_rest(y: Floats, mode: Mode) -> tuple[Floats, Mode]:
 
 
 def _until_none(velocity: Floats, acceleration: Floats) -> float:
-    speed = np.hypot(*velocity)
+    speed = np.hypot.reduce(velocity)
     slowing = -(velocity @ acceleration) / speed
     return float(speed / slowing) if slowing > 0 else np.inf

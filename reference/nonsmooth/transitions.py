@@ -35,11 +35,13 @@ from reference.equations.state_vector import (
     Angles,
     rotation,
 )
+from reference.equations.newton_euler import GeneralEquations
 from reference.nonsmooth.level_spin import with_level
+from reference.nonsmooth.patch_onset import patch_onset, rim_of, with_turning
 from reference.nonsmooth.radau_iia import integrator
 from reference.nonsmooth.slip_onset import (
     LEAN_OF_CAN,
-    RIM,
+    Onset,
     SlipOnset,
     UnilateralHold,
     holding,
@@ -65,14 +67,15 @@ class ModeTransition:
     Attributes
     ----------
     mode : Mode
-    slip, roll : SlipOnset or None
+    slip : Onset or None
+    roll : SlipOnset or None
         How it begins, if it does.
     ending : Outcome or None
         Why there is nothing to follow.
     """
 
     mode: Mode
-    slip: SlipOnset | None = None
+    slip: Onset | None = None
     roll: SlipOnset | None = None
     ending: Outcome | None = None
 
@@ -81,13 +84,16 @@ class ModeTransition:
         """Return whether a slip or a rolling begins from rest."""
         return self.slip is not None or self.roll is not None
 
-    def infinitesimal(self, y: Floats) -> Floats:
-        """Return the state, shape (13, 1), in which each beginning motion is infinitely slow."""
+    def infinitesimal(self, y: Floats, rim: UnilateralHold) -> Floats:
+        """Return the state, shape (13, 1), in which each beginning motion is infinitely slow.
+
+        Of a rim that is held as `rim` says.
+        """
         column = y[:, None]
         if self.roll is not None:
             column = LEAN_OF_CAN.infinitesimal(column, self.roll.direction[:, None])
         if self.slip is not None:
-            column = RIM.infinitesimal(column, self.slip.direction[:, None])
+            column = rim.infinitesimal(column, self.slip.direction[:, None])
         return column
 
 
@@ -116,7 +122,7 @@ def settled(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransit
         now = _agree(equations, y, now)
     if now.ending is not None or equations.bilateral_normal:
         return now
-    contact = equations.contact(now.infinitesimal(y), now.mode)
+    contact = equations.contact(now.infinitesimal(y, rim_of(equations)), now.mode)
     return replace(
         now, ending=_impossible(float(contact.force[2, 0]), float(contact.normal_mobility[0]))
     )
@@ -131,8 +137,13 @@ def land(equations: Equations, y: Floats, mode: Mode) -> tuple[Floats, ModeTrans
 
 def begin_slip(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
     """Release the slip of the rim, in its only admissible direction."""
-    free = RIM.freed(now.mode)
-    slip = onset(equations, now.infinitesimal(y)[:, 0], free)
+    rest = rim_of(equations)
+    free, here = rest.freed(now.mode), now.infinitesimal(y, rest)[:, 0]
+    slip: Onset | Outcome
+    if isinstance(equations, GeneralEquations) and equations.patch:
+        slip = patch_onset(equations, here, free)
+    else:
+        slip = onset(equations, here, free)
     if isinstance(slip, Outcome):
         return replace(now, ending=slip)
     return replace(now, mode=free, slip=slip)
@@ -141,7 +152,8 @@ def begin_slip(equations: Equations, y: Floats, now: ModeTransition) -> ModeTran
 def begin_roll(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
     """Release the rolling of the can, in its only admissible direction."""
     free = LEAN_OF_CAN.freed(now.mode)
-    roll = onset(equations, now.infinitesimal(y)[:, 0], free, LEAN_OF_CAN)
+    here = now.infinitesimal(y, rim_of(equations))[:, 0]
+    roll = onset(equations, here, free, LEAN_OF_CAN)
     if isinstance(roll, Outcome):
         return replace(now, ending=roll)
     return replace(now, mode=free, roll=roll)
@@ -149,7 +161,8 @@ def begin_roll(equations: Equations, y: Floats, now: ModeTransition) -> ModeTran
 
 def straight_on(equations: Equations, y: Floats, now: ModeTransition, ahead: Floats) -> Floats:
     """Return a linear guess of the change of a state, shape (13, n), after sigma, shape (n,)."""
-    column = replace(now, slip=None).infinitesimal(y)
+    rest = rim_of(equations)
+    column = replace(now, slip=None).infinitesimal(y, rest)
     sticking = replace(now.mode, slips=now.mode.slips and now.slip is None)
     guess = equations.rates(column, sticking) * ahead
     if now.roll is not None:
@@ -158,7 +171,11 @@ def straight_on(equations: Equations, y: Floats, now: ModeTransition, ahead: Flo
         guess[TURN] = with_level(y[:, None] + guess, level)[TURN] - y[TURN, None]
     if now.slip is not None:
         others = replace(now, slip=None, mode=replace(now.mode, slips=False))
-        guess[SLIP] = _grown(equations, y, others, now.slip, RIM, ahead=ahead)
+        grown = _grown(equations, y, others, now.slip, rest, ahead=ahead)
+        guess[SLIP] = grown[:2]
+        if equations.patch:
+            turned = with_turning(y[:, None] + guess, grown[2] / equations.patch)
+            guess[TURN] = turned[TURN] - y[TURN, None]
     return guess
 
 
@@ -166,7 +183,7 @@ def _grown(
     equations: Equations,
     y: Floats,
     others: ModeTransition,
-    begun: SlipOnset,
+    begun: Onset,
     rest: UnilateralHold,
     *,
     ahead: Floats,
@@ -176,13 +193,13 @@ def _grown(
     On the edge of its cone the acceleration with which it begins is next to nothing, and soon no
     measure of what it becomes: that follows from what would hold it, were it held further on.
     """
-    column, held = others.infinitesimal(y), others.mode
+    column, held = others.infinitesimal(y, rim_of(equations)), others.mode
     rates = equations.rates(column, held)
     bend = (equations.rates(column + LATER * rates, held) - rates) / LATER
     times = np.append(0.0, ahead)
     along = column + rates * times + bend * times**2 / 2
     reaction, _ = rest.reaction(equations, equations.contact(along, held))
-    against = -reaction / np.maximum(np.hypot(*reaction), np.finfo(float).tiny)
+    against = -reaction / np.maximum(np.hypot.reduce(reaction), np.finfo(float).tiny)
     moving = rest.infinitesimal(along, against)
     contact = equations.contact(moving, rest.freed(held))
     gains = (rest.acceleration(contact, moving) * against).sum(axis=0)
@@ -223,21 +240,23 @@ def running(equations: Equations, column: Floats, mode: Mode) -> Mode:
 
 def _give_way(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
     """Release one motion that is held beyond its limit."""
-    contact = equations.contact(now.infinitesimal(y), now.mode)
+    rest = rim_of(equations)
+    column = now.infinitesimal(y, rest)
+    contact = equations.contact(column, now.mode)
     may_slip = not now.mode.slips and np.isfinite(equations.mu)
     if may_slip and contact.force[2, 0] <= 0:
         return begin_slip(equations, y, now)
     if now.mode.rests and reserve(equations, contact, LEAN_OF_CAN)[0] < 0:
         return begin_roll(equations, y, now)
     if equations.drilling and now.mode.turns == 0:
-        mode = turning(equations, now.infinitesimal(y), now.mode)
+        mode = turning(equations, column, now.mode)
         if mode != now.mode:
             return replace(now, mode=mode)
     if equations.contour and now.mode.runs == 0 and not now.mode.lands:
-        mode = running(equations, now.infinitesimal(y), now.mode)
+        mode = running(equations, column, now.mode)
         if mode != now.mode:
             return replace(now, mode=mode)
-    if may_slip and reserve(equations, contact)[0] < 0:
+    if may_slip and reserve(equations, contact, rest)[0] < 0:
         return begin_slip(equations, y, now)
     return now
 

@@ -121,6 +121,9 @@ class Effects:
         Coefficient of Coulomb friction; None is a rim that never slips.
     mu_static : float or None
         Coefficient up to which the rim sticks, at least `mu`; None is `mu`.
+    patch : float
+        Radius, in R, of the patch of contact in which sliding and drilling share the friction
+        (`reference.equations.patch_friction`); zero is a point. Excludes `drilling`.
     drilling, rolling_resistance : float
         Arms of the moments, in R, that the normal force makes about the normal and in the plane.
         A modelling choice: their limits and the cone of friction are apart, so that what one takes
@@ -150,6 +153,7 @@ class Effects:
 
     mu: float | None = None
     mu_static: float | None = None
+    patch: float = 0.0
     drilling: float = 0.0
     rolling_resistance: float = 0.0
     contour: float = 0.0
@@ -164,7 +168,7 @@ class Effects:
 
     def __post_init__(self) -> None:
         """Refuse what makes no sense."""
-        numbers = ("drilling", "rolling_resistance", "linear_damping", "angular_damping", "rim")
+        numbers = ("patch", "drilling", "rolling_resistance", "linear_damping", "angular_damping", "rim")
         values = {name: getattr(self, name) for name in (*numbers, *ALONG_THE_RIM)}
         for name in ("mu", "mu_static"):
             if getattr(self, name) is not None:
@@ -173,6 +177,11 @@ class Effects:
         allowed = f"at least `mu` = {self.mu!r}, and given with `mu` alone"
         fits = self.mu_static is None or (self.mu is not None and self.mu_static >= self.mu)
         require(EffectError, "mu_static", self.mu_static, allowed, when=fits)
+        allowed = "zero without friction `mu` > 0, whose moment the patch makes"
+        require(EffectError, "patch", self.patch, allowed, when=not self.patch or bool(self.mu))
+        allowed = "zero with `drilling`: both are friction against turning about the normal"
+        fits = not (self.patch and self.drilling)
+        require(EffectError, "patch", self.patch, allowed, when=fits)
         allowed = (
             "zero with `rolling_resistance`: both oppose rolling, by laws that exclude another"
         )
@@ -189,6 +198,7 @@ class Effects:
         """Return the names of the declared effects."""
         present = {
             "slip": self.mu is not None,
+            "patch": self.patch > 0,
             "drilling": self.drilling > 0,
             "rolling_resistance": self.rolling_resistance > 0,
             "contour_friction": self.contour > 0 or self.contour_damping > 0,
