@@ -21,7 +21,7 @@ from reference.equations.contact_laws import Contact, Equations, Mode
 from reference.equations.frames import to_body, to_level
 from reference.equations.newton_euler import GeneralEquations
 from reference.equations.patch_friction import motion_against
-from reference.equations.state_vector import LEAN, SLIP, TURN, U1, U2, Angles
+from reference.equations.state_vector import LEAN, SLIP, TURN, Angles
 from reference.nonsmooth.level_spin import BESIDE
 from reference.nonsmooth.slip_onset import RIM, UnilateralHold
 from reference.problem.outcome import Outcome
@@ -97,6 +97,7 @@ def _of_patch(radius: float) -> UnilateralHold:
         infinitesimal=infinitesimal,
         acceleration=acceleration,
         reaction=reaction,
+        patch=True,
     )
 
 
@@ -111,18 +112,25 @@ def patch_onset(equations: GeneralEquations, y: Floats, mode: Mode) -> PatchOnse
     mode : Mode
         In which the patch moves.
     """
-    rest = rim_of(equations)
-    held = equations.contact(y[:, None], replace(mode, slips=False))
-    against = -rest.reaction(equations, held)[0]
-    against /= np.linalg.norm(against)
-    good, others, falls = _solved(equations, y, mode, against)
+    columns = y[:, None]
+    good, others, falls = _admissible(equations, columns, mode, _against(equations, columns, mode))
     if not good:
-        good, others, falls = _solved(equations, y, mode, _all_round())
+        columns = np.repeat(columns, STARTS, axis=1)
+        good, others, falls = _admissible(equations, columns, mode, _all_round())
     if len(good) == 1:
         return good[0]
     if good or (others and not falls):
         return Outcome.INDETERMINATE
     return Outcome.INCONSISTENT if falls else Outcome.LIFTED
+
+
+def growth(equations: GeneralEquations, y: Floats, mode: Mode) -> Floats:
+    """Return the accelerations with which a patch would begin to move, shape (3, n).
+
+    Of states at rest, shape (13, n), in a mode in which the patch moves; zero where it is held.
+    """
+    q = _solved(equations, y, mode, _against(equations, y, mode))
+    return np.where(_is_solution(equations, y, mode, q)[0], q, 0.0)
 
 
 def _all_round() -> Floats:
@@ -133,10 +141,15 @@ def _all_round() -> Floats:
     return np.array([across * np.cos(angle), across * np.sin(angle), height])
 
 
-def _solved(
-    equations: GeneralEquations, y: Floats, mode: Mode, starts: Floats
-) -> tuple[list[PatchOnset], int, bool]:
-    """Return the motions found, how many more have no mobility, and whether a free can falls."""
+def _against(equations: GeneralEquations, y: Floats, mode: Mode) -> Floats:
+    """Return the directions of what the reactions that hold a patch oppose, shape (3, n)."""
+    held = equations.contact(y, replace(mode, slips=False))
+    against = -rim_of(equations).reaction(equations, held)[0]
+    return np.asarray(against / np.linalg.norm(against, axis=0))
+
+
+def _solved(equations: GeneralEquations, y: Floats, mode: Mode, starts: Floats) -> Floats:
+    """Return the motions to which Newton's method leads from directions, shape (3, n)."""
     q, _ = _accelerated(equations, y, mode, starts)
     along = np.maximum((q * starts).sum(axis=0), NOISE)
     q = starts * along
@@ -145,7 +158,8 @@ def _solved(
         size = np.linalg.norm(q, axis=0)
         shifted = np.repeat(q[:, None, :], 3, axis=1).astype(complex)
         shifted[range(3), range(3)] += 1j * STEP * size
-        found, _ = _accelerated(equations, y, mode, shifted.reshape(3, 3 * k))
+        states = np.tile(y, (1, 3))
+        found, _ = _accelerated(equations, states, mode, shifted.reshape(3, 3 * k))
         found = found.reshape(3, 3, k)
         slopes = np.moveaxis(found.imag / (STEP * size), -1, 0)
         residual = q - found[:, 0].real
@@ -156,10 +170,26 @@ def _solved(
         q = q - update
         if (length <= SOLVED * size).all():
             break
+    return q
+
+
+def _is_solution(
+    equations: GeneralEquations, y: Floats, mode: Mode, q: Floats
+) -> tuple[Floats, Contact]:
+    """Return whether motions are their own accelerations under a push, and their contact."""
     found, contact = _accelerated(equations, y, mode, q)
     size = np.linalg.norm(q, axis=0)
     solved = np.linalg.norm(q - found, axis=0) <= np.maximum(SOLVED * size, NOISE)
-    solved &= (size > 0) & (contact.force[2] > 0)
+    return solved & (size > 0) & (contact.force[2] > 0), contact
+
+
+def _admissible(
+    equations: GeneralEquations, y: Floats, mode: Mode, starts: Floats
+) -> tuple[list[PatchOnset], int, bool]:
+    """Return the motions found, how many more have no mobility, and whether a free can falls."""
+    q = _solved(equations, y, mode, starts)
+    solved, contact = _is_solution(equations, y, mode, q)
+    size = np.linalg.norm(q, axis=0)
     falls = bool(np.median(contact.force[2] * contact.normal_mobility) > 0)
     good: list[PatchOnset] = []
     for index in np.flatnonzero(solved & (contact.normal_mobility > 0)):
@@ -174,8 +204,6 @@ def _accelerated(
     equations: GeneralEquations, y: Floats, mode: Mode, motion: Floats
 ) -> tuple[Floats, Contact]:
     """Return the acceleration of a patch that begins to move, shape (3, n), and its contact."""
-    column = y.copy()
-    column[[U1, U2]] = 0.0
-    columns = np.repeat(column[:, None], motion.shape[1], axis=1).astype(motion.dtype)
+    columns = y.astype(motion.dtype)
     contact = equations.begun(columns, mode, motion)
     return rim_of(equations).acceleration(contact, columns), contact

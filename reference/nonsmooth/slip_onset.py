@@ -114,12 +114,15 @@ class UnilateralHold:
         Of what begins, shape (2, n), from a contact and its states.
     reaction : callable
         That holds it, shape (2, n), and its limit, shape (n,).
+    patch : bool
+        Whether it slips and turns together, in three components instead of two.
     """
 
     freed: Callable[[Mode], Mode]
     infinitesimal: Callable[[Floats, Floats], Floats]
     acceleration: Callable[[Contact, Floats], Floats]
     reaction: Callable[[Equations, Contact], tuple[Floats, Floats]]
+    patch: bool = False
 
 
 def _slipping(y: Floats, direction: Floats) -> Floats:

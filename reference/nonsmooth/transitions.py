@@ -37,7 +37,7 @@ from reference.equations.state_vector import (
 )
 from reference.equations.newton_euler import GeneralEquations
 from reference.nonsmooth.level_spin import with_level
-from reference.nonsmooth.patch_onset import patch_onset, rim_of, with_turning
+from reference.nonsmooth.patch_onset import growth, patch_onset, rim_of, with_turning
 from reference.nonsmooth.radau_iia import integrator
 from reference.nonsmooth.slip_onset import (
     LEAN_OF_CAN,
@@ -198,6 +198,9 @@ def _grown(
     bend = (equations.rates(column + LATER * rates, held) - rates) / LATER
     times = np.append(0.0, ahead)
     along = column + rates * times + bend * times**2 / 2
+    if isinstance(equations, GeneralEquations) and rest.patch:
+        gained = growth(equations, along[:, 1:], rest.freed(held))
+        return np.asarray(ahead[-1] * (gained @ integrator().T))
     reaction, _ = rest.reaction(equations, equations.contact(along, held))
     against = -reaction / np.maximum(np.hypot.reduce(reaction), np.finfo(float).tiny)
     moving = rest.infinitesimal(along, against)
