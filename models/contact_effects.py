@@ -16,7 +16,9 @@ class Slip:
     """Coulomb friction: the rim sticks while |F| <= mu N, else F = -mu N v_c/|v_c|.
 
     Modelling choices: static friction equals kinetic friction unless `mu_static` is given, and the
-    cone is of friction alone; drilling and rolling resistance have limits of their own.
+    cone is of friction alone; drilling and rolling resistance have limits of their own. With
+    `patch` sliding and drilling share the friction of a round patch under Hertz's pressure
+    (Contensou 1963): its force is F while it does not turn, and less the faster it turns.
 
     Parameters
     ----------
@@ -24,24 +26,35 @@ class Slip:
         Coefficient of friction of the pair of can and plane; zero is a frictionless plane.
     mu_static : float, optional
         Coefficient up to which the rim sticks, at least `mu`; left out, `mu`.
+    patch : float, optional
+        Radius of the patch of contact, m; left out or zero, a point. It needs friction, `mu` > 0.
 
     Raises
     ------
     InvalidValueError
-        If `mu` is negative or not finite, or `mu_static` below it.
+        If `mu` is negative or not finite, `mu_static` below it, or `patch` negative, or a patch
+        without friction.
     """
 
     modelling_choice: ClassVar[str] = (
         "Friction has one coefficient, static equal to kinetic unless mu_static is declared, and a "
-        "cone of its own: what drilling and rolling resistance take is not taken from it."
+        "cone of its own: what drilling and rolling resistance take is not taken from it. A patch, "
+        "where one is declared, is round, under Hertz's pressure, and does not grow with the load."
     )
 
     mu: float
     mu_static: float | None = None
+    patch: float | None = None
 
     def __post_init__(self) -> None:
         """Refuse friction that would drive the can."""
         object.__setattr__(self, "mu", not_negative("mu", self.mu))
+        patch = 0.0 if self.patch is None else not_negative("patch", self.patch)
+        if patch > 0.0 and self.mu == 0.0:
+            allowed = "zero where `mu` is: without friction there is none for a patch to share"
+            raise InvalidValueError("patch", patch, allowed)
+        # no patch is a point, with one digest
+        object.__setattr__(self, "patch", patch or None)
         if self.mu_static is None:
             return
         allowed = f"at least `mu` = {self.mu!r}: a rim that sticks needs no less to let go"

@@ -99,6 +99,9 @@ class Effects:
                         f"effects `slip` with mu 0 and `{name}` contradict each other: "
                         "a plane without friction resists neither drilling nor rolling"
                     )
+        if self.slip is not None and self.slip.patch is not None and self.drilling is not None:
+            allowed = "zero beside `drilling`: a patch has its own friction against drilling"
+            raise InvalidValueError("slip.patch", self.slip.patch, allowed)
         contour = self.contour_friction
         if contour is not None and contour.coulomb > 0.0:
             if self.slip is not None and self.slip.mu == 0.0:
@@ -123,8 +126,10 @@ class Effects:
 
     def demanded(self) -> tuple[str, ...]:
         """Return the effects that are present, and constants that an engine may not know."""
-        static = self.slip is not None and self.slip.mu_static is not None
-        return (*self.declared(), *(OPTIONAL_CONSTANTS if static else ()))
+        slip = self.slip
+        of_slip = (None, None) if slip is None else (slip.mu_static, slip.patch)
+        pairs = zip(OPTIONAL_CONSTANTS, of_slip, strict=True)
+        return (*self.declared(), *(name for name, value in pairs if value is not None))
 
 
 KINDS: MappingProxyType[str, type[Any]] = MappingProxyType(
@@ -155,7 +160,7 @@ def modelling_choices(effects: Effects) -> tuple[str, ...]:
     return tuple(MODELLING_CHOICES[name] for name in effects.declared())
 
 
-OPTIONAL_CONSTANTS = ("slip.mu_static",)
+OPTIONAL_CONSTANTS = ("slip.mu_static", "slip.patch")
 """Constants that an engine may not know though it knows the effect: it names them as honoured."""
 
 IDEAL = Effects()
@@ -168,13 +173,16 @@ def check_fits(effects: Effects, can: Can) -> None:
     Raises
     ------
     InvalidValueError
-        A point mass outside the can, or a rim rounded by more than the can has; the key is the
-        effect's and the quantity's, such as ``point_mass.z``.
+        A point mass outside the can, a rim rounded by more than the can has, or a patch of contact
+        as wide as the can; the key is the effect's and the quantity's, such as ``point_mass.z``.
     """
     rim, mass = effects.rim, effects.point_mass
     if rim is not None and rim.radius >= min(can.radius, can.half_height):
         allowed = f"less than the can's radius {can.radius:g} and half height {can.half_height:g}"
         raise InvalidValueError("rim.radius", rim.radius, allowed)
+    patch = None if effects.slip is None else effects.slip.patch
+    if patch is not None and patch >= can.radius:
+        raise InvalidValueError("slip.patch", patch, f"less than the can's radius {can.radius:g}")
     if mass is None:
         return
     if abs(mass.z) > can.half_height:

@@ -63,6 +63,7 @@ class Parameter:
 _OF_EFFECTS = {
     "compliance.stiffness": "n_m",
     "compliance.damping": "ns_m",
+    "slip.patch": "m",
     "drilling.length": "m",
     "rolling_resistance.length": "m",
     "contour_friction.viscous": "ns_m",
@@ -108,7 +109,7 @@ _ALL = (
         Parameter(f"effects.{effect}.{each.name}", _OF_EFFECTS.get(f"{effect}.{each.name}", ""))
         for effect, kind in KINDS.items()
         for each in fields(kind)
-        if each.type in {float, "float"}
+        if each.type in {float, float | None, "float"}
     ),
 )
 

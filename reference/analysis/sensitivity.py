@@ -68,7 +68,11 @@ def sensitivity(problem: Problem) -> Sensitivity:
         Its horizon does not matter.
     """
     effects = problem.effects
-    if effects.mu_static is not None or effects.patch or any(getattr(effects, name) for name in ALONG_THE_RIM):
+    if (
+        effects.mu_static is not None
+        or effects.patch
+        or any(getattr(effects, name) for name in ALONG_THE_RIM)
+    ):
         return _filled(
             (*BY, *constants(effects)), {}, dict.fromkeys(QUANTITIES, NO_TANGENT), "", ()
         )

@@ -110,6 +110,11 @@ class FrictionlessEquations:
         return 0.0
 
     @property
+    def patch(self) -> float:
+        """A point: turning about the normal meets no friction."""
+        return 0.0
+
+    @property
     def contour(self) -> float:
         """No friction along the rim."""
         return 0.0

@@ -153,5 +153,8 @@ def motion_against(reaction: Floats) -> Floats:
     slide, turn = np.cos(angle), np.sin(angle)
     over_slide, over_turn, _ = force_and_moment(slide, turn)
     limit = level / np.hypot(over_slide * slide, over_turn * turn)
-    way = np.where(force > 0, reaction[:2] / np.maximum(force, np.finfo(float).tiny), [[1.0], [0.0]])
-    return -limit * np.array([slide * way[0], slide * way[1], turn * np.sign(reaction[2])])
+    way = np.where(
+        force > 0, reaction[:2] / np.maximum(force, np.finfo(float).tiny), [[1.0], [0.0]]
+    )
+    way = np.array([slide * way[0], slide * way[1], turn * np.sign(reaction[2])])
+    return np.asarray(-limit * way)

@@ -68,7 +68,7 @@ def released(problem: Problem) -> Floats:
     return y
 
 
-def sizes(rows: Index, y: Floats) -> Floats:
+def sizes(rows: Index, y: Floats, patch: float = 0.0) -> Floats:
     """Return the size of each entry, as the scale of errors and differences.
 
     Parameters
@@ -76,6 +76,8 @@ def sizes(rows: Index, y: Floats) -> Floats:
     rows : ndarray of int
         U1 and U2, if they are there, last.
     y : ndarray, shape (rows, n)
+    patch : float
+        Radius of the patch of contact, whose turning has a friction as its slip has.
     """
     size = np.ones_like(y)
     turns = (rows >= W1) & (rows <= W3)
@@ -83,6 +85,8 @@ def sizes(rows: Index, y: Floats) -> Floats:
     size[turns] = np.maximum(turning, FLOOR * (1 + turning.max()))
     if rows[-1] == U2:
         size[-2:] = np.maximum(np.hypot(y[-2], y[-1]), LEAST_SLIP)
+        if patch:
+            size[-2:] = np.maximum(size[-2:], patch * np.abs(y[turns]).max(axis=0))
     return size
 
 

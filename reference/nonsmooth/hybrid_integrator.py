@@ -105,8 +105,7 @@ class HybridIntegrator:
         if equations.resistance and stands(self._y[:, None])[0]:
             self._y, mode = at_rest(self._y, mode)
         now = begin(equations, self._y, mode)
-        slowly = now.infinitesimal(self._y, rim_of(equations))
-        rates = equations.rates(slowly, now.mode)[:, 0]
+        rates = equations.rates(now.infinitesimal(self._y, rim_of(equations)), now.mode)[:, 0]
         self.watch = ExtremumRecorder(problem, fall=-float(rates[W2] / rates[TIME]))
         self._go_on(now)
 
@@ -155,7 +154,7 @@ class HybridIntegrator:
                 self._y[rows],
                 length,
                 self._guess(length)[rows],
-                lambda core: self._sizes(rows, core),
+                lambda core: sizes(rows, core, self._equations.patch),
             )
             self._evaluations += taken.evaluations * STAGES
             if taken.change is None or not self._sets_out(taken.change[:, 0], rows):
@@ -251,14 +250,6 @@ class HybridIntegrator:
             return LONGEST
         here = self._equations, self._y, self._mode
         return SHARE * min(left_of_slip(*here), left_of_roll(*here))
-
-    def _sizes(self, rows: Index, core: Floats) -> Floats:
-        size = sizes(rows, core)
-        if self._equations.patch and self._mode.slips:
-            # a patch that turns has a friction of the size of its turning
-            turn = np.abs(core[1:4]).max(axis=0)
-            size[-2:] = np.maximum(size[-2:], self._equations.patch * turn)
-        return size
 
     def _rates(self, core: Floats, rows: Index) -> Floats:
         full = np.repeat(self._y[:, None], core.shape[1], axis=1).astype(core.dtype)

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reference.equations.contact_laws import Contact, Equations, Mode
 from reference.equations.frames import to_body, to_level
@@ -170,17 +171,17 @@ def _solved(equations: GeneralEquations, y: Floats, mode: Mode, starts: Floats) 
         q = q - update
         if (length <= SOLVED * size).all():
             break
-    return q
+    return np.asarray(q)
 
 
 def _is_solution(
     equations: GeneralEquations, y: Floats, mode: Mode, q: Floats
-) -> tuple[Floats, Contact]:
+) -> tuple[NDArray[np.bool_], Contact]:
     """Return whether motions are their own accelerations under a push, and their contact."""
     found, contact = _accelerated(equations, y, mode, q)
     size = np.linalg.norm(q, axis=0)
     solved = np.linalg.norm(q - found, axis=0) <= np.maximum(SOLVED * size, NOISE)
-    return solved & (size > 0) & (contact.force[2] > 0), contact
+    return np.asarray(solved & (size > 0) & (contact.force[2] > 0)), contact
 
 
 def _admissible(

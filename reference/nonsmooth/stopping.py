@@ -87,8 +87,10 @@ def left_of_roll(equations: Equations, y: Floats, mode: Mode) -> float:
 def halted(equations: Equations, y: Floats, mode: Mode) -> tuple[Floats, Mode]:
     """Return a state without a slip or rolling that has stopped, and the mode that holds it."""
     left = left_of_slip(equations, y, mode)
-    # beside a turning about a level axis that about the normal has its round-off
-    least = STOPPED + equations.patch * BESIDE * float(np.abs(y[TURN]).max())
+    least = STOPPED
+    if equations.patch:
+        # the turning about the normal has the round-off of the others
+        least *= equations.patch * (1 + float(np.abs(y[TURN]).max()))
     slow = np.hypot.reduce(moving(equations, y)) <= least
     if left <= STOPPED or (slow and np.isfinite(left)):
         y, mode = y.copy(), replace(mode, slips=False)

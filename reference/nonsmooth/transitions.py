@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reference.equations.contact_laws import Equations, Mode
+from reference.equations.newton_euler import GeneralEquations
 from reference.equations.state_vector import (
     LEAN,
     SLIP,
@@ -35,7 +36,6 @@ from reference.equations.state_vector import (
     Angles,
     rotation,
 )
-from reference.equations.newton_euler import GeneralEquations
 from reference.nonsmooth.level_spin import with_level
 from reference.nonsmooth.patch_onset import growth, patch_onset, rim_of, with_turning
 from reference.nonsmooth.radau_iia import integrator

@@ -168,8 +168,8 @@ class Effects:
 
     def __post_init__(self) -> None:
         """Refuse what makes no sense."""
-        numbers = ("patch", "drilling", "rolling_resistance", "linear_damping", "angular_damping", "rim")
-        values = {name: getattr(self, name) for name in (*numbers, *ALONG_THE_RIM)}
+        numbers = ("drilling", "rolling_resistance", "linear_damping", "angular_damping", "rim")
+        values = {name: getattr(self, name) for name in (*numbers, "patch", *ALONG_THE_RIM)}
         for name in ("mu", "mu_static"):
             if getattr(self, name) is not None:
                 values[name] = getattr(self, name)

@@ -102,7 +102,7 @@ bounces = 1
         (
             "[horizon]",
             "[effects]\nslip = { nu = 0.3 }\n[horizon]",
-            "key 'effects.slip.nu' is unknown; allowed are mu, mu_static",
+            "key 'effects.slip.nu' is unknown; allowed are mu, mu_static, patch",
         ),
         (
             "[horizon]",
@@ -159,6 +159,10 @@ def test_each_wrong_effect_has_its_sentence(
     ("effects", "key"),
     [
         ("slip = { mu = 0.3, mu_static = 0.2 }", "effects.slip.mu_static"),
+        ("slip = { mu = 0.3, patch = -1e-3 }", "effects.slip.patch"),
+        ("slip = { mu = 0.0, patch = 1e-3 }", "effects.slip.patch"),
+        ("slip = { mu = 0.3, patch = 0.04 }", "effects.slip.patch"),
+        ("slip = { mu = 0.3, patch = 1e-3 }\ndrilling = { length = 1e-3 }", "effects.slip.patch"),
         ("contour_friction = { coulomb = -0.1 }", "effects.contour_friction.coulomb"),
         ("contour_friction = {}", "effects.contour_friction.coulomb"),
         ("contour_friction = { viscous = nan }", "effects.contour_friction.viscous"),
@@ -187,6 +191,10 @@ def test_equal_coefficients_are_one_and_a_scene_of_old_keeps_its_keys(tmp_path: 
         path.write_text(GOOD.replace("[horizon]", f"[effects]\nslip = {slip}\n[horizon]"))
         read.append(read_scene(path))
     assert read[0] == read[1]
+    path.write_text(
+        GOOD.replace("[horizon]", "[effects]\nslip = { mu = 0.3, patch = 0.0 }\n[horizon]")
+    )
+    assert read_scene(path) == read[0]
     assert read[0].to_dict()["effects"] == {"slip": {"mu": 0.3}}
     assert read[2].to_dict()["effects"] == {"slip": {"mu": 0.3, "mu_static": 0.4}}
     path.write_text(write_scene(read[2]))

@@ -27,6 +27,7 @@ HONOURS = frozenset(
         *(
             "slip",
             "slip.mu_static",
+            "slip.patch",
             "drilling",
             "rolling_resistance",
             "contour_friction",
@@ -97,6 +98,7 @@ def effects(scene: Scene) -> Effects:
     return Effects(
         mu=None if slip is None else slip.mu,
         mu_static=None if slip is None else slip.mu_static,
+        patch=0.0 if slip is None or slip.patch is None else slip.patch / R,
         **_along_the_rim(scene),
         drilling=0.0 if drilling is None else drilling.length / R,
         rolling_resistance=0.0 if resistance is None else resistance.length / R,

@@ -177,7 +177,7 @@ def test_only_constants_of_an_effect_can_be_assumed() -> None:
         plan_effects(GENTLE, ("mujoco",), timestep=COARSE, words=(("slip.modelling_choice", 1.0),))
     assert (caught.value.value, caught.value.allowed) == (
         "slip.modelling_choice",
-        "slip.mu, slip.mu_static",
+        "slip.mu, slip.mu_static, slip.patch",
     )
 
 
