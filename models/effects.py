@@ -99,9 +99,7 @@ class Effects:
                         f"effects `slip` with mu 0 and `{name}` contradict each other: "
                         "a plane without friction resists neither drilling nor rolling"
                     )
-        if self.slip is not None and self.slip.patch is not None and self.drilling is not None:
-            allowed = "zero beside `drilling`: a patch has its own friction against drilling"
-            raise InvalidValueError("slip.patch", self.slip.patch, allowed)
+        self._check_patch()
         contour = self.contour_friction
         if contour is not None and contour.coulomb > 0.0:
             if self.slip is not None and self.slip.mu == 0.0:
@@ -119,6 +117,11 @@ class Effects:
                 "effects `compliance` and `restitution` contradict each other: "
                 "what a compliant contact gives back follows from its damping"
             )
+
+    def _check_patch(self) -> None:
+        if self.slip is not None and self.slip.patch is not None and self.drilling is not None:
+            allowed = "zero beside `drilling`: a patch has its own friction against drilling"
+            raise InvalidValueError("slip.patch", self.slip.patch, allowed)
 
     def declared(self) -> tuple[str, ...]:
         """Return the names of the effects that are present, in the order of the fields."""

@@ -149,7 +149,7 @@ class GeneralEquations:
 
     def contact(self, y: Floats, mode: Mode) -> Contact:
         """Return force and accelerations at the contact, from states of shape (13, n)."""
-        return self._contact(y, mode, self._setting(y, mode), self._law(y, mode))
+        return self._contact(mode, self._setting(y, mode), self._law(y, mode))
 
     def begun(self, y: Floats, mode: Mode, motion: Floats) -> Contact:
         """Return the same of a patch at rest that begins to move: with the friction of `motion`.
@@ -163,12 +163,12 @@ class GeneralEquations:
             Directions of (u1, u2, a omega_z).
         """
         here = self._setting(y, replace(mode, slips=False))
-        return self._contact(y, mode, here, self._law(y, mode, motion))
+        return self._contact(mode, here, self._law(y, mode, motion))
 
     def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
         """Rates of all rows in sigma, shape (13, n); zero without `along` of what nothing needs."""
         e, here = self.effects, self._setting(y, mode)
-        at, contact = here.at, self._contact(y, mode, here, self._law(y, mode))
+        at, contact = here.at, self._contact(mode, here, self._law(y, mode))
         w1, w2, w3 = y[TURN]
         # without level turning the axes stay, to the last bit
         rotation = np.zeros_like(w1) if self._still(mode) else at.S * w3 - at.C * w1
@@ -310,7 +310,7 @@ class GeneralEquations:
             law[[ROLLING_1, ROLLING_2]] = -e.rolling_resistance * level / length(*level)
         return law
 
-    def _contact(self, y: Floats, mode: Mode, here: Setting, law: Floats) -> Contact:
+    def _contact(self, mode: Mode, here: Setting, law: Floats) -> Contact:
         e, at, w = self.effects, here.at, here.turning
         inverse: Floats = np.asarray(np.linalg.inv(np.moveaxis(here.inertia, -1, 0)))
         momentum = applied(here.inertia, w)
