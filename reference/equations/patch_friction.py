@@ -81,8 +81,9 @@ def force_and_moment(slide: Floats, turn: Floats) -> tuple[Floats, Floats, Float
         slope[inside] = 3 * math.pi / 8 * (1 - 3 * q / 4)
     if near.any():
         own = turn[near]
-        c = slide[near] / own
-        q, arc, root = c * c, np.arcsin(1 / c), np.sqrt(c * c - 1)
+        c, root = slide[near] / own, np.sqrt((slide[near] - own) * (slide[near] + own)) / own
+        # arcsin(1/c), with its digits and those of its derivative beside c = 1
+        q, arc = c * c, np.arctan(1 / root)
         over_slide[near] = 3 / 16 * ((4 - q) * arc + (1 + 2 / q) * root) / own
         even = 3 / 8 * (1 - q + 3 * q * q / 8) * arc + 9 / 64 * (2 - q) * root
         over_turn[near] = even / own

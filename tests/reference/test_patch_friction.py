@@ -25,7 +25,9 @@ EFFECTS = Effects(mu=1.0, patch=0.1)
 CREEPS = Problem(
     parameters=PAPER_CAN, phi=0.3, psi_dot=0.25, theta_dot=-0.1, duration=3.0, effects=EFFECTS
 )
-SLIDES = replace(CREEPS, slip=(0.4, 0.2), duration=0.8, effects=replace(EFFECTS, mu=0.3))
+# Until shortly before friction stops both slip and turning.
+TURNS = replace(CREEPS, duration=0.6)
+SLIDES = replace(CREEPS, slip=(0.4, 0.2), duration=0.4, effects=replace(EFFECTS, mu=0.3))
 # It turns, is held, and begins to move again: fourteen phases in twenty units of time.
 STOPS = replace(
     CREEPS,
@@ -36,7 +38,8 @@ STOPS = replace(
     duration=20.0,
     effects=Effects(mu=0.6, patch=0.02),
 )
-NODES = 48
+# Of the rules on each ray and chord, where a body is stepped.
+NODES = 20
 
 
 def by_quadrature(c: float, nodes: int = NODES) -> tuple[float, float]:
@@ -55,9 +58,9 @@ def by_quadrature(c: float, nodes: int = NODES) -> tuple[float, float]:
         width = reach[:, None] * t * along
     else:
         # rays that meet the patch, and Gauss's rule for a root at both ends of each chord
-        turn = (np.arange(nodes) + 0.5) * math.pi / nodes - math.pi / 2
+        turn, weight = (math.pi / 2 * one for one in np.polynomial.legendre.leggauss(nodes))
         ray = math.pi + np.arcsin(np.sin(turn) / c)
-        weight = math.pi / nodes * np.cos(turn) / np.sqrt(c * c - np.sin(turn) ** 2)
+        weight = weight * np.cos(turn) / np.sqrt(c * c - np.sin(turn) ** 2)
         x = np.cos(math.pi * np.arange(1, nodes + 1) / (nodes + 1))
         half = np.cos(turn)[:, None]
         distance = -c * np.cos(ray)[:, None] + half * x
@@ -102,7 +105,7 @@ def test_every_reaction_has_the_motion_that_it_opposes() -> None:
     ).all()
 
 
-@pytest.mark.parametrize("problem", [CREEPS, SLIDES])
+@pytest.mark.parametrize("problem", [TURNS, SLIDES])
 def test_a_body_of_six_degrees_of_freedom_moves_the_same(problem: Problem) -> None:
     mu, radius = problem.effects.mu or 0.0, problem.effects.patch
 
@@ -126,10 +129,13 @@ def test_a_body_of_six_degrees_of_freedom_moves_the_same(problem: Problem) -> No
     phi, psi = free_body.angles(theirs.y)
     slips = [math.hypot(*free_body.slip_of(y, PAPER_CAN.h)[:2]) for y in theirs.y.T]
     assert ours.slip is not None
-    # what the tolerance of DOP853 leaves
     assert np.abs(phi - ours.phi).max() < 1e-10
     assert np.abs(psi - ours.psi).max() < 1e-9
-    assert np.abs(slips - np.hypot(*ours.slip.T)).max() < 1e-10
+    apart = np.abs(slips - np.hypot(*ours.slip.T))
+    # what the tolerance of DOP853 leaves
+    assert apart[: times.size // 2].max() < 1e-12
+    # and what twenty nodes do, where the centre of turning crosses the edge of the patch
+    assert apart.max() < 1e-8
 
 
 def rows_of(found: Solution, times: np.ndarray) -> np.ndarray:
@@ -139,7 +145,7 @@ def rows_of(found: Solution, times: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("problem", [CREEPS, SLIDES, STOPS])
 def test_energy_is_there_or_lost_and_the_plane_pushes(problem: Problem) -> None:
-    found = solve(replace(problem, duration=20.0), outputs=LOCUS)
+    found = solve(problem, outputs=LOCUS)
     rows = rows_of(found, np.linspace(0.0, found.t_end, 400))
     equations = GeneralEquations(parameters=PAPER_CAN, effects=problem.effects)
     energy = equations.energy(rows, Mode(slips=True))
