@@ -19,6 +19,7 @@ from reference.nonsmooth.level_spin import stands
 from reference.nonsmooth.patch_onset import moving, rim_of
 from reference.nonsmooth.segments import Segment
 from reference.nonsmooth.slip_onset import LEAN_OF_CAN, holding, holding_on_rim, reserve
+from reference.nonsmooth.stopping import LANDING
 from reference.problem.states import Floats
 
 LOOKS = tuple(np.linspace(0.0, 1.0, 41).tolist())
@@ -26,10 +27,10 @@ LOOKS = tuple(np.linspace(0.0, 1.0, 41).tolist())
 FLAT = -184.0
 # The same where the normal force is asked for: below 1e-26 its round-off would lift the can.
 FLAT_AND_PUSHED = -60.0
-# ln tan(phi/2) of a can that has 1e-8 rad to fall. From there its contact point, stopped by fluid
-# but for this share of its fall, is held: what that takes is below the round-off of the energy,
-# and the stiffness of a film, which grows as 1/phi^2, is not followed to the end.
-LANDING, STOPPED_BY_FLUID = -19.1, 1e-13
+# Where a can has 1e-5 rad to fall its contact point, stopped by fluid but for this share of its
+# fall, is held: what that takes is below the round-off of the energy, and the stiffness of a film,
+# which grows as 1/phi^2 as does what it makes of a round-off, is not followed to the end.
+STOPPED_BY_FLUID = 1e-13
 # Of the fall of a parabola below three places: where these are less far from zero it is followed.
 NEAR_ZERO = 4.0
 # Share of a piece after which what begins with it has a direction.

@@ -249,7 +249,8 @@ class HybridIntegrator:
         if self._now.at_once:
             return LONGEST
         here = self._equations, self._y, self._mode
-        return SHARE * min(left_of_slip(*here), left_of_roll(*here))
+        stops = SHARE * min(left_of_slip(*here), left_of_roll(*here))
+        return min(stops, stopping.left_of_fall(*here[:2]))
 
     def _rates(self, core: Floats, rows: Index) -> Floats:
         full = np.repeat(self._y[:, None], core.shape[1], axis=1).astype(core.dtype)
@@ -346,7 +347,7 @@ class HybridIntegrator:
             self._y, now = land(self._equations, self._y, self._mode)
             self._go_on(now)
         elif event is not None:
-            self._go_on(begin(self._equations, self._y, self._mode))
+            self._go_on(begin(self._equations, self._y, self._mode, event.what))
         else:
             self._halt()
 

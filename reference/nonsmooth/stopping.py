@@ -27,6 +27,16 @@ CREEPS, CREEPING = 1e-2, 2.0
 # ln tan(phi/2) of a disk with 1e-9 rad to go: from there rolling resistance brings it to rest in a
 # time that goes as the square root of phi, in ever more phases of stick and slip.
 ALL_BUT_FLAT = -21.4
+# ln tan(phi/2) of a can that has 1e-5 rad to fall, and how much of it a step takes from there: a
+# share of exp(-3). A longer one leaves the precession, which goes with phi, no digits at its end.
+LANDING, FALL = -12.2, 3.0
+
+
+def left_of_fall(equations: Equations, y: Floats) -> float:
+    """Return the sigma in which a can that falls flat loses digits; inf if it does not."""
+    slowed = bool(equations.fluid or equations.contour or equations.patch)
+    falls = slowed and y[LEAN] < LANDING and y[W2] > 0
+    return float(FALL / y[W2]) if falls else np.inf
 
 
 def pace(equations: Equations, y: Floats) -> float:

@@ -36,6 +36,7 @@ from reference.equations.state_vector import (
     Angles,
     rotation,
 )
+from reference.nonsmooth.events import EventKind
 from reference.nonsmooth.level_spin import with_level
 from reference.nonsmooth.patch_onset import growth, patch_onset, rim_of, with_turning
 from reference.nonsmooth.radau_iia import integrator
@@ -56,6 +57,7 @@ from reference.problem.states import Floats
 # a Newton iteration starts from them, to which a guess is enough.
 ROUNDS = 12
 AGREED = 1e-6
+LETS_GO = {EventKind.TURNS, EventKind.RUNS}
 # How far along to look for how the accelerations change.
 LATER = 1e-6
 
@@ -97,7 +99,9 @@ class ModeTransition:
         return column
 
 
-def begin(equations: Equations, y: Floats, mode: Mode) -> ModeTransition:
+def begin(
+    equations: Equations, y: Floats, mode: Mode, event: EventKind | None = None
+) -> ModeTransition:
     """Return the transition with which a motion continues.
 
     Parameters
@@ -106,8 +110,20 @@ def begin(equations: Equations, y: Floats, mode: Mode) -> ModeTransition:
     y : ndarray, shape (13,)
     mode : Mode
         With all held that is at rest.
+    event : EventKind, optional
+        Which has ended the mode. What lets go at its limit goes: the roundings of its margin there
+        are of either sign, and would hold it again.
     """
-    mode = running(equations, y[:, None], turning(equations, y[:, None], mode))
+    column = y[:, None]
+    moment = equations.contact(column, mode).moment[:, 0] if event in LETS_GO else np.zeros(3)
+    if event is EventKind.TURNS:
+        mode = replace(mode, turns=int(-np.sign(moment[2])))
+    else:
+        mode = turning(equations, column, mode)
+    if event is EventKind.RUNS:
+        mode = replace(mode, runs=int(np.sign(moment[0])))
+    else:
+        mode = running(equations, column, mode)
     return settled(equations, y, ModeTransition(mode=mode))
 
 
