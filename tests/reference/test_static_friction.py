@@ -4,9 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 from reference import PAPER_CAN, Effects, Problem, examine, solve
 from reference.equations.contact_laws import Kind
+from tests.support import free_body
 
 STUCK, SLIPS = 0.35, 0.3
 ROCK = Problem(
@@ -67,3 +70,54 @@ def test_equal_coefficients_are_one_to_the_bit_and_near_ones_near() -> None:
 
     # the first order or better: slip begins later by that share, at next to no speed
     assert change(1e-4) < 0.6 * change(2e-4)
+
+
+def test_a_body_of_six_degrees_of_freedom_lets_go_and_slips_the_same() -> None:
+    """It sticks by three constraints up to one cone, and slips on the height alone with another."""
+    ours = solve(ROCK)
+    stick, slip = ours.phases[:2]
+    tolerance = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-14}
+
+    stuck = solve_ivp(
+        lambda _t, y: free_body.accelerated(y, ROCK, None)[0],
+        (0.0, stick.end),
+        free_body.released(ROCK),
+        **tolerance,
+    )
+
+    def law(u: np.ndarray, _turning: float) -> tuple[np.ndarray, float]:
+        return -SLIPS * u[:2] / np.hypot(*u[:2]), 0.0
+
+    # the direction in which it begins is that of its own acceleration
+    start, short = stuck.y[:, -1], 1e-5
+    here = free_body.posed(start, PAPER_CAN.h)
+    _, plane = free_body.accelerated(start, ROCK, None)
+    # held up to 2e-9 beyond the cone
+    assert np.hypot(plane[0], plane[1]) == pytest.approx(STUCK * plane[2], rel=1e-8)
+
+    def toward(angle: float) -> np.ndarray:
+        return np.array([np.cos(angle), np.sin(angle), 0.0])
+
+    def aside(angle: float) -> float:
+        rates, _ = free_body.accelerated(start, ROCK, law, toward(angle))
+        gained = rates[7:10] + np.cross(rates[10:13], here.arm)
+        gained = gained + np.cross(start[10:13], here.arm_rate)
+        return float(np.cross(toward(angle), gained)[2])
+
+    likely = float(np.arctan2(-plane[1], -plane[0]))
+    angle = brentq(aside, likely - 0.1, likely + 0.1, xtol=1e-15)
+    rates, _ = free_body.accelerated(start, ROCK, law, toward(angle))
+    # by a step of the first order, whose error is of the second order in it
+    slipped = solve_ivp(
+        lambda _t, y: free_body.accelerated(y, ROCK, law)[0],
+        (stick.end + short, slip.end - 0.05),
+        start + short * rates,
+        **tolerance,
+    )
+    there = ours.at(slipped.t)
+    phi, psi = free_body.angles(slipped.y)
+    assert there.slip is not None
+    speeds = [np.hypot(*free_body.slip_of(y, PAPER_CAN.h)[:2]) for y in slipped.y.T]
+    assert np.abs(phi - there.phi).max() < 1e-9
+    assert np.abs(psi - there.psi).max() < 1e-8
+    assert np.abs(speeds - np.hypot(*there.slip.T)).max() < 1e-9
