@@ -31,6 +31,8 @@ _LEAST_SLIP = 1e-7
 _REPEATS = 3
 # How many times faster than DOP853 the integrator is to be, of every piece.
 _FASTER = 10.0
+# Strength, in units of the can, of laws that are declared for what they cost.
+_WEAK = 1e-9
 # Time after which a slip that begins at the release has its direction to see.
 _BEGUN = 1e-6
 
@@ -76,6 +78,27 @@ PIECES = (
 def friction_ratios() -> Iterator[Ratio]:
     """Measure the claims about friction, tilt and an off-centre mass, one by one."""
     yield from (_against_scipy(piece) for piece in PIECES)
+    yield _without_what_is_not_declared()
+
+
+def _without_what_is_not_declared() -> Ratio:
+    """Time a scene of friction, and the same with laws that are too weak to move it."""
+    piece = PIECES[0]
+    plain = piece.problem()
+    weak = {"contour_damping": _WEAK, "patch": _WEAK}
+    laden = replace(plain, effects=replace(plain.effects, **weak))  # type: ignore[arg-type]
+    own, with_laws = in_turns(lambda: solve(plain), lambda: solve(laden), repeats=_REPEATS)
+    apart = float(np.abs(_end(solve(laden)) - _end(solve(plain))).max())
+    return Ratio(
+        what=f"{piece.scene} ({piece.what}) without laws that are not declared",
+        ratio=with_laws / own,
+        claim="costs no more than with them",
+        holds=with_laws >= own,
+        first_s=own,
+        second_s=with_laws,
+        note=f"a patch and viscous contour friction of strength {_WEAK:g} move the end by "
+        f"{apart:.1e}; without them the model is {solve(plain).model!r}",
+    )
 
 
 def _against_scipy(piece: Piece) -> Ratio:

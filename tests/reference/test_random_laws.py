@@ -1,6 +1,6 @@
 """Random scenes of every law of contact: none fails, and the plane never pulls."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -63,7 +63,7 @@ def drawn(number: int) -> Drawn:
         theta_dot=theta_dot,
         slip=tuple(random.normal(0.0, 0.3, 2).tolist()) if slips else (0.0, 0.0),
         duration=SHORT,
-        effects=Effects(mass=mass, **values),
+        effects=replace(Effects(**values), mass=mass),  # type: ignore[arg-type] # by name
     )
     return Drawn(problem=problem, laws=frozenset(laws))
 
