@@ -28,7 +28,14 @@ from docs.formatting import (
     markdown,
 )
 from docs.history import history
-from docs.studies import derivatives, gradients, stability, sweep_reduced, tolerance
+from docs.studies import (
+    derivatives,
+    dissipation,
+    gradients,
+    stability,
+    sweep_reduced,
+    tolerance,
+)
 from harness.core.errors import HarnessError
 from harness.engines.registry import description_of, is_constraint
 from harness.execution.atomic_write import write_atomically
@@ -377,6 +384,7 @@ SOURCES: Mapping[str, Source] = {
         tolerance,
         gradients,
         derivatives,
+        dissipation,
         gate,
         benchmark,
         audit,

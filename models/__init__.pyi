@@ -2,7 +2,9 @@ from .body_effects import Damping, PointMass, Shake, Tilt
 from .can import Can
 from .catalogue import hard_names, load, names
 from .contact_effects import (
+    AirFilm,
     Compliance,
+    ContourFriction,
     Drilling,
     Restitution,
     RollingResistance,
@@ -58,9 +60,11 @@ __all__ = [
     "NET_SENSOR",
     "NO_SLIP_FRICTION",
     "RESOLVED_STEP",
+    "AirFilm",
     "Angles",
     "Can",
     "Compliance",
+    "ContourFriction",
     "Damping",
     "Drilling",
     "Effects",

@@ -21,30 +21,54 @@ NEWTON, POISSON = IMPACT_LAWS = ("newton", "poisson")
 class Slip:
     """Coulomb friction: the rim sticks while |F| <= mu N, else F = -mu N v_c/|v_c|.
 
-    Modelling choices: static friction equals kinetic friction, and the cone is of friction alone;
-    drilling and rolling resistance have limits of their own.
+    Modelling choices: static friction equals kinetic friction unless `mu_static` is given, and the
+    cone is of friction alone; drilling and rolling resistance have limits of their own. With
+    `patch` sliding and drilling share the friction of a round patch under Hertz's pressure
+    (Contensou 1963): its force is F while it does not turn, and less the faster it turns.
 
     Parameters
     ----------
     mu : float
         Coefficient of friction of the pair of can and plane; zero is a frictionless plane.
+    mu_static : float, optional
+        Coefficient up to which the rim sticks, at least `mu`; left out, `mu`.
+    patch : float, optional
+        Radius of the patch of contact, m; left out or zero, a point. It needs friction, `mu` > 0.
 
     Raises
     ------
     InvalidValueError
-        If `mu` is negative or not finite.
+        If `mu` is negative or not finite, `mu_static` below it, or `patch` negative, or a patch
+        without friction.
     """
 
     modelling_choice: ClassVar[str] = (
-        "Friction has one coefficient, static equal to kinetic, and a cone of its own: what "
-        "drilling and rolling resistance take is not taken from it."
+        "Friction has one coefficient, static equal to kinetic unless mu_static is declared, and a "
+        "cone of its own: what drilling and rolling resistance take is not taken from it. A patch, "
+        "where one is declared, is round, under Hertz's pressure, and does not grow with the load."
     )
 
     mu: float
+    mu_static: float | None = field(default=None, metadata=ADDED_LATER)
+    patch: float | None = field(default=None, metadata=ADDED_LATER)
 
     def __post_init__(self) -> None:
         """Refuse friction that would drive the can."""
         object.__setattr__(self, "mu", not_negative("mu", self.mu))
+        patch = 0.0 if self.patch is None else not_negative("patch", self.patch)
+        if patch > 0.0 and self.mu == 0.0:
+            allowed = "zero where `mu` is: without friction there is none for a patch to share"
+            raise InvalidValueError("patch", patch, allowed)
+        # no patch is a point, with one digest
+        object.__setattr__(self, "patch", patch or None)
+        if self.mu_static is None:
+            return
+        allowed = f"at least `mu` = {self.mu!r}: a rim that sticks needs no less to let go"
+        static = finite("mu_static", self.mu_static, allowed)
+        if static < self.mu:
+            raise InvalidValueError("mu_static", static, allowed)
+        # equal coefficients are one coefficient, with one digest
+        object.__setattr__(self, "mu_static", None if static == self.mu else static)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -187,6 +211,74 @@ class RollingResistance(_Resistance):
         "Rolling resistance has a limit of its own, its arm times the normal force, beside the "
         "cone of friction, and holds with as large a moment as it slows with."
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ContourFriction:
+    """Friction of the contact point that runs along the rim: a moment that slows theta'.
+
+    The force on theta is -(coulomb N + viscous R |theta'|) R sign(theta').
+
+    Parameters
+    ----------
+    coulomb : float
+        Dry: the force against the motion along the rim over the normal force, zero or greater.
+    viscous : float
+        That force over its velocity R theta', N s/m, zero or greater; one of the two is positive.
+
+    Raises
+    ------
+    InvalidValueError
+        If a constant is out of its range, or both are zero.
+    """
+
+    modelling_choice: ClassVar[str] = (
+        "Contour friction opposes the motion of the contact point along the rim and nothing else, "
+        "and is not taken from the cone of friction."
+    )
+
+    coulomb: float = 0.0
+    viscous: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse friction that would drive the can, and none at all."""
+        for name in ("coulomb", "viscous"):
+            object.__setattr__(self, name, not_negative(name, getattr(self, name)))
+        if self.coulomb == self.viscous == 0.0:
+            allowed = "greater than zero where `viscous` is zero: else there is no such friction"
+            raise InvalidValueError("coulomb", self.coulomb, allowed)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AirFilm:
+    """The air between a disk and the plane: a moment that slows theta'.
+
+    Parameters
+    ----------
+    viscosity : float
+        Of the air, Pa s, greater than zero.
+    density : float
+        kg/m^3: zero is a film that shears through the whole gap (Moffatt 2000), greater than zero
+        boundary layers as thin as sqrt(viscosity/(density theta')) (Bildsten 2002).
+
+    Raises
+    ------
+    InvalidValueError
+        If a constant is out of its range.
+    """
+
+    modelling_choice: ClassVar[str] = (
+        "The air below the disk takes the power of an estimate, by the film's thickness or, with a "
+        "density, by that of its boundary layer; it does not resist the fall itself."
+    )
+
+    viscosity: float
+    density: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse air that is none."""
+        object.__setattr__(self, "viscosity", positive("viscosity", self.viscosity))
+        object.__setattr__(self, "density", not_negative("density", self.density))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,7 +14,9 @@ from models.body_effects import Damping, PointMass, Shake, Tilt
 from models.can import Can
 from models.contact_effects import (
     ADDED_LATER,
+    AirFilm,
     Compliance,
+    ContourFriction,
     Drilling,
     Restitution,
     RollingResistance,
@@ -49,6 +51,10 @@ class Effects:
         Friction against turning about the normal; left out, none.
     rolling_resistance : RollingResistance, optional
         Friction against rolling; left out, none.
+    contour_friction : ContourFriction, optional
+        Friction of the contact point along the rim; left out, none.
+    air_film : AirFilm, optional
+        Air between a disk and the plane; left out, none.
     damping : Damping, optional
         Drag; left out, none.
     rim : RoundedRim, optional
@@ -73,6 +79,8 @@ class Effects:
     restitution: Restitution | None = None
     drilling: Drilling | None = None
     rolling_resistance: RollingResistance | None = None
+    contour_friction: ContourFriction | None = None
+    air_film: AirFilm | None = None
     damping: Damping | None = None
     rim: RoundedRim | None = None
     tilt: Tilt | None = None
@@ -92,11 +100,29 @@ class Effects:
                         f"effects `slip` with mu 0 and `{name}` contradict each other: "
                         "a plane without friction resists neither drilling nor rolling"
                     )
+        self._check_patch()
+        contour = self.contour_friction
+        if contour is not None and contour.coulomb > 0.0:
+            if self.slip is not None and self.slip.mu == 0.0:
+                raise ModelError(
+                    "effects `slip` with mu 0 and `contour_friction` with coulomb contradict each "
+                    "other: a plane without friction resists no motion along the rim"
+                )
+            if self.rolling_resistance is not None:
+                raise ModelError(
+                    "effects `rolling_resistance` and `contour_friction` with coulomb contradict "
+                    "each other: both are a dry moment against rolling, with a limit of its own"
+                )
         if self.compliance is not None and self.restitution is not None:
             raise ModelError(
                 "effects `compliance` and `restitution` contradict each other: "
                 "what a compliant contact gives back follows from its damping"
             )
+
+    def _check_patch(self) -> None:
+        if self.slip is not None and self.slip.patch is not None and self.drilling is not None:
+            allowed = "zero beside `drilling`: a patch has its own friction against drilling"
+            raise InvalidValueError("slip.patch", self.slip.patch, allowed)
 
     def declared(self) -> tuple[str, ...]:
         """Return the names of the effects that are present, in the order of the fields."""
@@ -120,6 +146,8 @@ KINDS: MappingProxyType[str, type[Any]] = MappingProxyType(
         "restitution": Restitution,
         "drilling": Drilling,
         "rolling_resistance": RollingResistance,
+        "contour_friction": ContourFriction,
+        "air_film": AirFilm,
         "damping": Damping,
         "rim": RoundedRim,
         "tilt": Tilt,
@@ -138,6 +166,14 @@ def modelling_choices(effects: Effects) -> tuple[str, ...]:
     """Return a sentence for each effect that is declared, in the order of the fields."""
     return tuple(MODELLING_CHOICES[name] for name in effects.declared())
 
+
+OPTIONAL_CONSTANTS = tuple(
+    f"{name}.{each.name}"
+    for name, kind in KINDS.items()
+    for each in fields(kind)
+    if each.metadata == ADDED_LATER
+)
+"""Constants that an engine may not know though it knows the effect: it names them as honoured."""
 
 IDEAL = Effects()
 """No effect at all: rigid, no slip, no loss, level, at rest."""
@@ -158,13 +194,16 @@ def check_fits(effects: Effects, can: Can) -> None:
     Raises
     ------
     InvalidValueError
-        A point mass outside the can, or a rim rounded by more than the can has; the key is the
-        effect's and the quantity's, such as ``point_mass.z``.
+        A point mass outside the can, a rim rounded by more than the can has, or a patch of contact
+        as wide as the can; the key is the effect's and the quantity's, such as ``point_mass.z``.
     """
     rim, mass = effects.rim, effects.point_mass
     if rim is not None and rim.radius >= min(can.radius, can.half_height):
         allowed = f"less than the can's radius {can.radius:g} and half height {can.half_height:g}"
         raise InvalidValueError("rim.radius", rim.radius, allowed)
+    patch = None if effects.slip is None else effects.slip.patch
+    if patch is not None and patch >= can.radius:
+        raise InvalidValueError("slip.patch", patch, f"less than the can's radius {can.radius:g}")
     if mass is None:
         return
     if abs(mass.z) > can.half_height:

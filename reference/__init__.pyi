@@ -1,4 +1,5 @@
 from .analysis.agreement import ENDING, Agreement
+from .analysis.coming_to_rest import Rest, coming_to_rest, is_regular
 from .analysis.conditioning import neighbours
 from .analysis.confirmation import differences
 from .analysis.lyapunov import PARTED, Divergence, divergence
@@ -72,6 +73,7 @@ __all__ = [
     "Problem",
     "ProblemError",
     "RefusedError",
+    "Rest",
     "Restitution",
     "Solution",
     "SolverError",
@@ -82,6 +84,7 @@ __all__ = [
     "centre_position",
     "centre_velocity",
     "circle_radius",
+    "coming_to_rest",
     "critical_rolling_rate",
     "differences",
     "divergence",
@@ -90,6 +93,7 @@ __all__ = [
     "friction_bound",
     "friction_ratio",
     "hypergeometric_pair",
+    "is_regular",
     "leading_constants",
     "leading_turn_without_friction",
     "locus_arc",

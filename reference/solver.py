@@ -387,7 +387,7 @@ def _with_phases(problem: Problem, model: str, *, locus: bool, compiled: bool) -
     equations: CoulombEquations | GeneralEquations
     if model == "coulomb":
         mu = float("inf") if effects.mu is None else effects.mu
-        equations = CoulombEquations(parameters=parameters, mu=mu)
+        equations = CoulombEquations(parameters=parameters, mu=mu, static=effects.mu_static)
     else:
         equations = GeneralEquations(parameters=parameters, effects=effects)
     if compiled:

@@ -20,14 +20,20 @@ from harness.cli.derivatives import (
     derivatives_sentences,
     derivatives_table,
 )
+from harness.cli.divergence import (
+    chaos_sentences,
+    divergence_json,
+    divergence_sentences,
+    is_chaotic,
+)
 from harness.cli.settings import parse_settings
 from harness.core.bounce import Bounce
 from harness.core.case import Case
 from harness.core.errors import ParityError, TrajectoryError
 from harness.core.simulation import Outcome
 from harness.core.writing import WriteError
-from harness.engines.reference import ENDING, PARTED, Agreement, Finding, Impact
-from harness.engines.reference.assumption_checks import Divergence, check_assumptions
+from harness.engines.reference import ENDING, Agreement, Finding, Impact
+from harness.engines.reference.assumption_checks import check_assumptions
 from harness.engines.reference.to_reference_problem import refusal
 from harness.engines.reference.truth import Truth, solve_case
 from harness.evaluation.evaluate import evaluate, evaluate_without_truth
@@ -178,18 +184,6 @@ def run_json(e: Evaluation) -> Answer:
     }
 
 
-def divergence_json(divergence: Divergence | None) -> Answer | None:
-    """Return how disturbed releases part; None of a scene that cannot be chaotic."""
-    if divergence is None:
-        return None
-    return {
-        "chaotic": divergence.chaotic,
-        "growth": divergence.growth,
-        "lyapunov_time_s": divergence.lyapunov_time,
-        "parted_s": divergence.parted,
-    }
-
-
 def _findings_json(findings: Iterable[Finding]) -> list[dict[str, str]]:
     return [{"sentence": finding.sentence, "model": finding.model} for finding in findings]
 
@@ -218,6 +212,7 @@ def model_answer(e: Evaluation, truth: Truth | None, asked: str) -> Answer:
         "agreement": None,
         "phases": [],
         "impacts": [],
+        "rest": None,
         "guard": None,
         "findings": _findings_json(e.findings),
         "divergence": divergence_json(e.divergence),
@@ -236,6 +231,7 @@ def model_answer(e: Evaluation, truth: Truth | None, asked: str) -> Answer:
         "why": _why(truth, asked),
         "method": truth.solution.method,
         "agreement": _agreement(truth.solution.agreement),
+        "rest": truth.rest,
         "phases": [
             {"kind": phase.kind.value, "start_s": phase.start, "end_s": phase.end}
             for phase in truth.phases
@@ -301,6 +297,11 @@ def sentences(answer: Answer) -> Iterable[str]:
         yield f"Phases, s: {', '.join(spelled[:_PHASES])}{more}."
     if lost := [impact["energy_lost_j"] for impact in answer["impacts"]]:
         yield f"Impacts: {len(lost)}, which take {sum(lost):.4g} J."
+    if rest := answer["rest"]:
+        fitted = "" if rest["exponent"] is None else f"; fitted, {rest['exponent']:.4f}"
+        law = f" {rest['law'].capitalize()}: phi as " if rest["law"] else ""
+        power = f"(t_s - t)^p, p = {rest['exponent_predicted']:.4f}{fitted}." if law else ""
+        yield f"The can lies flat at {rest['t_f_s']:.12g} s.{law}{power}"
     yield from chaos_sentences(answer)
     if "derivatives" in answer:
         yield from derivatives_sentences(answer)
@@ -327,7 +328,9 @@ def motion_tables(answer: Answer) -> Iterable[Table]:
     """Yield the tables of a motion in numbers."""
     single = ("scene", "engine", "outcome", "period_s", "energy_drift", "steps", "wall_s")
     parts = {"Motion": [{key: answer[key] for key in single}], "Bounces": answer["bounces"]}
-    if "errors" in answer and not _chaotic(answer):  # else there are none, and a sentence says why
+    if "errors" in answer and not is_chaotic(
+        answer
+    ):  # else there are none, and a sentence says why
         parts["Errors, engine minus truth"] = [answer["errors"]]
     if "contact" in answer:
         parts["Contact"] = [answer["contact"]]
@@ -336,34 +339,6 @@ def motion_tables(answer: Answer) -> Iterable[Table]:
             yield terminal.table(title, list(rows[0]), [list(row.values()) for row in rows])
     if "derivatives" in answer:
         yield derivatives_table(answer)
-
-
-def chaos_sentences(answer: Answer) -> Iterable[str]:
-    """Yield how fast disturbances of a chaotic motion grow, in words; nothing of any other."""
-    if _chaotic(answer):
-        chaos = answer["divergence"]
-        yield (
-            f"Chaotic: a disturbance grows by e in {chaos['lyapunov_time_s']:.3g} s; one part in "
-            f"1e12 becomes {PARTED:g} rad at {chaos['parted_s']:.3g} s, and beyond nothing can be "
-            "compared."
-        )
-
-
-def divergence_sentences(answer: Answer) -> Iterable[str]:
-    """Yield in words how long a run can be compared with the exact motion, a paragraph each."""
-    yield from chaos_sentences(answer)
-    at, why = answer["parts_at_s"], ""
-    if _chaotic(answer):
-        why = " What differs in the end is no error, so no errors are given."
-    if at is not None:
-        yield f"The engine is {PARTED:g} rad away from the exact motion from {at:.3g} s on.{why}"
-    elif why:
-        yield f"The engine is never {PARTED:g} rad away from the exact motion.{why}"
-
-
-def _chaotic(answer: Answer) -> bool:
-    """Whether an answer says that a motion is chaotic."""
-    return bool(answer.get("divergence") and answer["divergence"]["chaotic"])
 
 
 _SUFFIXES = (".csv", ".parquet")

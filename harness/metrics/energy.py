@@ -13,7 +13,9 @@ from models.gravity import gravity_vector
 from models.kinematics import to_body
 from models.scene import Scene
 
-_TAKE_OR_BRING = frozenset({"damping", "drilling", "rolling_resistance", "shake"})
+_TAKE_OR_BRING = frozenset(
+    {"damping", "drilling", "rolling_resistance", "contour_friction", "air_film", "shake"}
+)
 
 
 def conserves_energy(scene: Scene) -> bool:

@@ -22,7 +22,7 @@ Number = TypeVar("Number", float, Floats)
 
 
 _UNITS = {"rad_s": "rad/s", "m_s2": "m/s^2", "kg_m2": "kg m^2", "n_m": "N/m", "ns_m": "N s/m"}
-_UNITS |= {"per_s": "1/s", "hz": "Hz"}
+_UNITS |= {"per_s": "1/s", "hz": "Hz", "pa_s": "Pa s", "kg_m3": "kg/m^3"}
 """Units by the suffix of a column, where the two differ."""
 
 
@@ -63,8 +63,12 @@ class Parameter:
 _OF_EFFECTS = {
     "compliance.stiffness": "n_m",
     "compliance.damping": "ns_m",
+    "slip.patch": "m",
     "drilling.length": "m",
     "rolling_resistance.length": "m",
+    "contour_friction.viscous": "ns_m",
+    "air_film.viscosity": "pa_s",
+    "air_film.density": "kg_m3",
     "rim.radius": "m",
     "damping.linear": "per_s",
     "damping.angular": "per_s",
@@ -105,7 +109,7 @@ _ALL = (
         Parameter(f"effects.{effect}.{each.name}", _OF_EFFECTS.get(f"{effect}.{each.name}", ""))
         for effect, kind in KINDS.items()
         for each in fields(kind)
-        if each.type in {float, "float"}
+        if each.type in {float, float | None, "float"}
     ),
 )
 

@@ -15,14 +15,15 @@ from reference.integrable.derivatives import NO_PATH, QUANTITIES, bounce_tangent
 from reference.integrable.exact_motion import ExactPath, exact_path
 from reference.integrable.tangents import BY
 from reference.numerics.jets import Jet
+from reference.problem.effects import ALONG_THE_RIM, Effects
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 
 # phi_max this near the balanced can, over phi_max, is beside a separatrix.
 NEAR = 1e-3
-YIELDS = (
-    "There are no variational equations of a contact that gives way: no derivatives of its motion "
-    "are taken."
+NO_TANGENT = (
+    "The variational equations know no contact that gives way, no contour friction, no film of "
+    "air, no patch and no static friction above the kinetic: no derivative is given."
 )
 
 
@@ -54,6 +55,13 @@ class Sensitivity:
     caveats: tuple[str, ...] = ()
 
 
+def has_tangent(effects: Effects) -> bool:
+    """Return whether the variational equations know every law of these effects."""
+    others = (effects.compliance, effects.mu_static)
+    along = (getattr(effects, name) for name in ALONG_THE_RIM)
+    return not (any(law is not None for law in others) or effects.patch or any(along))
+
+
 def sensitivity(problem: Problem) -> Sensitivity:
     """Return the derivatives of the first bounce of a problem.
 
@@ -66,8 +74,9 @@ def sensitivity(problem: Problem) -> Sensitivity:
     problem : Problem
         Its horizon does not matter.
     """
-    if problem.effects.compliance is not None:
-        return _filled(BY, {}, dict.fromkeys(QUANTITIES, YIELDS), "none", ())
+    if not has_tangent(problem.effects):
+        by = (*BY, *constants(problem.effects))
+        return _filled(by, {}, dict.fromkeys(QUANTITIES, NO_TANGENT), "none", ())
     path = None if problem.effects.declared() else exact_path(problem, locus=False)
     if isinstance(path, ExactPath):
         jets, why = bounce_tangents(problem, path)

@@ -10,6 +10,7 @@ from enum import Enum
 
 import numpy as np
 
+from reference.analysis.coming_to_rest import FLAT, is_regular
 from reference.equations.reaction_force import contact_force_in_world, friction_ratio
 from reference.problem.outcome import Outcome
 from reference.problem.states import Floats, States
@@ -103,7 +104,7 @@ def examine(solution: Solution, times: Floats) -> Guard:
         # in the air there is neither force nor friction
         touches = states.gap == 0
         ratio, pressed = ratio[touches & (normal > LIGHT)], normal[touches]
-    if solution.outcome is Outcome.LIFTED:
+    elif solution.outcome is Outcome.LIFTED:
         ratio = ratio[normal >= LIGHT]
     guard = Guard(
         friction_ratio=float(max([*ratio, *peaks], default=0.0)),
@@ -133,7 +134,8 @@ def _beyond_cone(
     solution: Solution, states: States, friction: Floats, normal: Floats
 ) -> list[Finding]:
     """Return the finding that a rim sticks with too little friction: the solution is wrong."""
-    mu = solution.problem.effects.mu
+    effects = solution.problem.effects
+    mu = effects.mu if effects.mu_static is None else effects.mu_static
     # of what ends where it begins the release is all there is, and nothing that sticks
     if mu is None or states.slip is None or solution.t_end == 0:
         return []
@@ -155,8 +157,9 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
     # of a can that may leave the plane the motion itself is the answer to a pull, and to a far rim
     unilateral = solution.problem.effects.restitution is not None
     never_slips = solution.problem.effects.mu is None
-    if solution.outcome in ENDINGS:
-        sentence = f"{solution.outcome.value} {NONE_CARRIES}"
+    if solution.outcome in ENDINGS and not is_regular(solution):
+        where = _laws_and_state(solution) if solution.outcome in PARADOXES else ""
+        sentence = f"{solution.outcome.value} {where}{NONE_CARRIES}"
         findings.append(Finding(kind=FindingKind.ENDING, sentence=sentence))
     if solution.outcome in LIMITS:
         findings.append(Finding(kind=FindingKind.LIMIT, sentence=solution.outcome.value))
@@ -173,11 +176,31 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
         deep = f"The far rim comes {-guard.gap:.2g} R deep into the plane: a real can is pushed "
         sentence = f"{deep}there as well, and the model at its lowest point alone. {NONE_CARRIES}"
         findings.append(Finding(kind=FindingKind.FAR_RIM, sentence=sentence))
-    elif guard.gap < ATOM and solution.outcome is not Outcome.FELL_FLAT and not unilateral:
+    elif guard.gap < ATOM and solution.outcome not in FLAT and not unilateral:
         near = f"The far rim comes within {guard.gap:.2g} R of the plane, less than an atom: "
         sentence = f"{near}a real can touches it with more than one point. {NONE_CARRIES}"
         findings.append(Finding(kind=FindingKind.FAR_RIM, sentence=sentence))
     return findings
+
+
+def _laws_and_state(solution: Solution) -> str:
+    """Return the sentence that names the laws of friction and the state of a paradox."""
+    effects, end = solution.problem.effects, solution.at(solution.t_end)
+    laws = {
+        "mu": effects.mu,
+        "mu_static": effects.mu_static,
+        "an arm of drilling": effects.drilling,
+        "an arm of rolling resistance": effects.rolling_resistance,
+        "a coefficient along the rim": effects.contour,
+    }
+    named = [f"{name} {value:g}" for name, value in laws.items() if value]
+    slip = 0.0 if end.slip is None else float(np.hypot(*end.slip[0]))
+    return (
+        f"The law has {', '.join(named) or 'no friction'}; the state is phi = {end.phi[0]:.6g} "
+        f"rad, phi' = {end.phi_dot[0]:.4g}, psi' = {end.psi_dot[0]:.4g}, theta' = "
+        f"{end.theta_dot[0]:.4g} "
+        f"sqrt(g/R), slipping at {slip:.4g} sqrt(g R). "
+    )
 
 
 def _slippery(solution: Solution, ratio: float) -> Finding:

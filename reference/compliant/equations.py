@@ -23,7 +23,7 @@ the elastic energy that is in the contact where N falls to zero at a depth is lo
 slip a rim that lands sticks at once: a tangential impulse stops the material where it touches.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,13 +32,11 @@ from reference.equations.frames import to_body
 from reference.equations.newton_euler import (
     NORMAL,
     ROLLING_1,
-    ROLLING_2,
     SLIP_1,
     SLIP_2,
-    TURNING_Z,
     GeneralEquations,
-    Setting,
 )
+from reference.equations.rigid_body import Setting
 from reference.equations.state_vector import DISSIPATED, SLIP, TURN, U1, U2, Index
 from reference.equations.state_vector import ROWS as RIGID_ROWS
 from reference.problem.effects import LINEAR, Compliance
@@ -106,12 +104,17 @@ class CompliantEquations(GeneralEquations):
 
     def contact(self, y: Floats, mode: Mode) -> CompliantContact:
         """Return force and accelerations at the contact, from states of shape (15, n)."""
-        return self._yielding(y, mode, self._setting(y, mode))
+        return self._yielding(y, mode, self._setting(y, mode), self._law(y, mode))
+
+    def begun(self, y: Floats, mode: Mode, motion: Floats) -> CompliantContact:
+        """Return the same of a patch at rest that begins to move, as on a rigid contact."""
+        here = self._setting(y, replace(mode, slips=False))
+        return self._yielding(y, mode, here, self._law(y, mode, motion))
 
     def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
         """Rates of all rows in sigma, shape (15, n); zero without `along` of what nothing needs."""
         here = self._setting(y, mode)
-        contact = self._yielding(y, mode, here)
+        contact = self._yielding(y, mode, here, self._law(y, mode))
         out = self._rates(y, mode, here, contact, along=along)
         out[DEPTH], out[RISE] = -here.at.S * y[RISE], contact.rising
         if along and not mode.flies:
@@ -133,7 +136,7 @@ class CompliantEquations(GeneralEquations):
         as dissipated.
         """
         here = self._setting(y[:, None], mode)
-        D = self._free(here)[1][0]
+        D = self._free(here, mode)[1][0]
         before = GeneralEquations.energy(self, y[:, None], mode)[0]
         rim = [SLIP_1, SLIP_2]
         change = D[:, rim] @ np.linalg.solve(D[np.ix_(rim, rim)], -y[SLIP])
@@ -148,24 +151,26 @@ class CompliantEquations(GeneralEquations):
         zero = np.zeros_like(y[U1])
         return np.array([y[U1], y[U2], y[RISE]] if mode.slips else [zero, zero, y[RISE]])
 
-    def _yielding(self, y: Floats, mode: Mode, here: Setting) -> CompliantContact:
-        e, at = self.effects, here.at
-        both, mobility = self._free(here)
-        wrench = np.zeros_like(both)
+    def _yielding(self, y: Floats, mode: Mode, here: Setting, law: Floats) -> CompliantContact:
+        at, w = here.at, here.turning
+        both, mobility = self._free(here, mode)
+        wrench = np.zeros(both.shape, dtype=np.result_type(both, law))
         held: list[int] = []
         if not mode.flies:
-            held = [] if mode.slips else [SLIP_1, SLIP_2]
-            if e.drilling and not mode.turns:
-                held = [TURNING_Z, *held]
-            if mode.rests:
-                held = [ROLLING_1, ROLLING_2, *held]
-            wrench = self._law(y, mode) * (at.S * self.pressing(y))
+            held = [*self.moments_that_hold(mode), *([] if mode.slips else [SLIP_1, SLIP_2])]
+            wrench = law * (at.S * self.pressing(y))
             both = both + np.einsum("nij,jn->in", mobility, wrench)
+        # a contact point held on the rim has theta' = 0 in directions that precess with the can
+        precessing = w[0] * w[1] if not mode.flies and self._held_on_rim(mode) else None
+        if precessing is not None:
+            both[ROLLING_1] += precessing
         if held:
             holds = np.linalg.solve(mobility[:, held][:, :, held], -both[held].T[..., None])
             wrench[held] += holds[..., 0].T
             both = both + np.einsum("nij,nj->in", mobility[:, :, held], holds[..., 0])
             both[held] = 0.0
+        if precessing is not None:
+            both[ROLLING_1] = -precessing
         return CompliantContact(
             force=wrench[3:],
             moment=wrench[:3],

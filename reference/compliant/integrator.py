@@ -30,9 +30,10 @@ from reference.equations.state_vector import ROWS as RIGID_ROWS
 from reference.nonsmooth.events import LOOKS, Event, EventKind, events
 from reference.nonsmooth.hybrid_integrator import LONGEST, SHORTEST, HybridIntegrator
 from reference.nonsmooth.level_spin import stands
+from reference.nonsmooth.patch_onset import moving
 from reference.nonsmooth.segments import Segment, SegmentsPath
 from reference.nonsmooth.stopping import STOPPED
-from reference.nonsmooth.transitions import ModeTransition, begin, begin_on_rim, turning
+from reference.nonsmooth.transitions import ModeTransition, begin, begin_on_rim, running, turning
 from reference.problem.effects import LINEAR
 from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
@@ -153,7 +154,8 @@ class CompliantIntegrator(HybridIntegrator):
         if load <= 0:
             return y, ModeTransition(mode=FLIGHT)
         y[:RIGID_ROWS], y[DEPTH] = start, law.law.depth_under(load)
-        mode = Mode(slips=problem.slip != (0.0, 0.0), rests=now.mode.rests and now.roll is None)
+        slips = bool(moving(law, y).any())
+        mode = Mode(slips=slips, rests=now.mode.rests and now.roll is None)
         return y, begin(law, y, self._rests(y, mode))
 
     def _rests(self, y: Floats, mode: Mode) -> Mode:
@@ -169,7 +171,9 @@ class CompliantIntegrator(HybridIntegrator):
 
     def _sizes(self, rows: Index, core: Floats) -> Floats:
         own = np.array([self._rest, self._pace])[:, None]
-        return np.concatenate([sizes(rows[:-2], core[:-2]), np.maximum(np.abs(core[-2:]), own)])
+        return np.concatenate(
+            [sizes(rows[:-2], core[:-2], self._law.patch), np.maximum(np.abs(core[-2:]), own)]
+        )
 
     def _tail(self, series: Floats) -> float:
         own = np.array([self._rest, self._pace])
@@ -242,7 +246,8 @@ class CompliantIntegrator(HybridIntegrator):
         if self._law.pressing(y) > 0:
             self._go_on(begin(self._law, y, mode))
         else:
-            self._go_on(ModeTransition(mode=turning(self._law, y[:, None], mode)))
+            mode = turning(self._law, y[:, None], mode)
+            self._go_on(ModeTransition(mode=running(self._law, y[:, None], mode)))
 
     def _ends_at_the_surface(self) -> bool:
         """Return whether the law has no force at depth zero, at any rate."""

@@ -60,9 +60,17 @@ class CompiledEquations:
     plain: Equations
     constants: Floats
     mu: float
+    mu_static: float
+    contour: float
+    fluid: bool
     drilling: float
     resistance: float
     bilateral_normal: bool
+
+    @property
+    def patch(self) -> float:
+        """A point: there are no kernels of a patch."""
+        return 0.0
 
     @staticmethod
     def know(effects: Effects) -> bool:
@@ -82,6 +90,9 @@ class CompiledEquations:
             plain=plain,
             constants=np.array([p.a, p.c, p.h, *mass, *e.gravity.constant, *shaking, *laws, *rest]),
             mu=plain.mu,
+            mu_static=plain.mu_static,
+            contour=plain.contour,
+            fluid=plain.fluid,
             drilling=plain.drilling,
             resistance=plain.resistance,
             bilateral_normal=plain.bilateral_normal,

@@ -70,9 +70,15 @@ class Mode:
     Attributes
     ----------
     slips : bool
+        Of a patch of contact: whether it slips or turns.
     turns : int
         Sense of turning about the normal where that meets friction; 0 where friction holds it, and
         where there is none.
+    runs : int
+        Sense of theta', in which the contact point runs along the rim, where that meets dry
+        friction; 0 where friction holds it, and where there is none.
+    lands : bool
+        Whether fluid below a can that falls flat has stopped the contact point: theta' = 0.
     rests : bool
         Whether rolling resistance holds the level part of the angular velocity at zero.
     flies : bool
@@ -82,6 +88,8 @@ class Mode:
 
     slips: bool = False
     turns: int = 0
+    runs: int = 0
+    lands: bool = False
     rests: bool = False
     flies: bool = False
 
@@ -136,6 +144,26 @@ class Equations(Protocol):
     @property
     def resistance(self) -> float:
         """Arm of the moment against rolling."""
+        ...
+
+    @property
+    def mu_static(self) -> float:
+        """Coefficient of friction up to which the rim sticks, at least `mu`."""
+        ...
+
+    @property
+    def patch(self) -> float:
+        """Radius of the patch in which the rim touches; zero is a point."""
+        ...
+
+    @property
+    def contour(self) -> float:
+        """Coefficient of dry friction against the motion of the contact point along the rim."""
+        ...
+
+    @property
+    def fluid(self) -> bool:
+        """Return whether a law without a threshold opposes the motion along the rim."""
         ...
 
     @property

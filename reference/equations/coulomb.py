@@ -60,11 +60,34 @@ class CoulombEquations:
         Infinite for a rim that never slips.
     only_pushes : bool
         Whether the plane never pulls, also where the rim never slips.
+    static : float or None
+        Coefficient up to which the rim sticks; None is `mu`.
     """
 
     parameters: Parameters
     mu: float
     only_pushes: bool = False
+    static: float | None = None
+
+    @property
+    def mu_static(self) -> float:
+        """Coefficient of friction up to which the rim sticks."""
+        return self.mu if self.static is None else self.static
+
+    @property
+    def patch(self) -> float:
+        """A point: turning about the normal meets no friction."""
+        return 0.0
+
+    @property
+    def contour(self) -> float:
+        """No friction along the rim."""
+        return 0.0
+
+    @property
+    def fluid(self) -> bool:
+        """Nothing else opposes motion along the rim."""
+        return False
 
     @property
     def drilling(self) -> float:

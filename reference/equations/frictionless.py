@@ -105,6 +105,26 @@ class FrictionlessEquations:
         return np.inf
 
     @property
+    def mu_static(self) -> float:
+        """No friction."""
+        return 0.0
+
+    @property
+    def patch(self) -> float:
+        """A point: turning about the normal meets no friction."""
+        return 0.0
+
+    @property
+    def contour(self) -> float:
+        """No friction along the rim."""
+        return 0.0
+
+    @property
+    def fluid(self) -> bool:
+        """Nothing else opposes motion along the rim."""
+        return False
+
+    @property
     def drilling(self) -> float:
         """No arm."""
         return 0.0

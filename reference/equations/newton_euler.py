@@ -17,6 +17,9 @@ force:
 
     F = -mu N u/|u|,    Q_z = -l_d N sign(w_z),    Q_h = -l_r N w_h/|w_h|.
 
+A patch of contact shares one friction between F and Q_z (`reference.equations.patch_friction`); it
+is held as a whole, or moves.
+
 A rim rounded to an arc of radius r touches at p_O = -(1 - r) e1 - (h - r) e3 - r z from the can's
 centre; e1, e2, e3 are the axes of frame B and z = S e1 + C e3 is the vertical. Everything is times
 S, in the time of `reference.equations.state_vector`, and analytic in the state: complex states
@@ -24,12 +27,15 @@ give derivatives
 (`reference.analysis.variational`).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from reference.equations.contact_laws import Contact, Mode
+from reference.equations.dissipation import along_the_rim, moment_of_fluid
 from reference.equations.frames import applied, cross, dot, length, to_body, to_level, to_precessing
+from reference.equations.patch_friction import friction_of_patch
+from reference.equations.rigid_body import Setting, body_of, mobility_of
 from reference.equations.state_vector import (
     DISSIPATED,
     LEAN,
@@ -57,22 +63,6 @@ ROLLING_1, ROLLING_2, TURNING_Z, SLIP_1, SLIP_2, NORMAL = range(6)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Setting:
-    """Position and motion of the body, in frame B; vectors of shape (3, n)."""
-
-    at: Angles
-    mass: float
-    inertia: Floats
-    centre: Floats
-    arm: Floats
-    turning: Floats
-    velocity: Floats
-    arm_rate: Floats
-    gravity: Floats
-    shaking: Floats
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class GeneralEquations:
     """The vector fields of one can and its effects.
 
@@ -94,6 +84,26 @@ class GeneralEquations:
     def drilling(self) -> float:
         """Arm of the moment against turning about the normal."""
         return self.effects.drilling
+
+    @property
+    def mu_static(self) -> float:
+        """Coefficient of friction up to which the rim sticks."""
+        return self.mu if self.effects.mu_static is None else self.effects.mu_static
+
+    @property
+    def patch(self) -> float:
+        """Radius of the patch in which the rim touches; zero is a point."""
+        return self.effects.patch
+
+    @property
+    def contour(self) -> float:
+        """Coefficient of dry friction along the rim."""
+        return self.effects.contour
+
+    @property
+    def fluid(self) -> bool:
+        """Return whether a law without a threshold opposes the motion along the rim."""
+        return along_the_rim(self.effects)
 
     @property
     def resistance(self) -> float:
@@ -124,12 +134,27 @@ class GeneralEquations:
 
     def contact(self, y: Floats, mode: Mode) -> Contact:
         """Return force and accelerations at the contact, from states of shape (13, n)."""
-        return self._contact(y, mode, self._setting(y, mode))
+        return self._contact(mode, self._setting(y, mode), self._law(y, mode))
+
+    def begun(self, y: Floats, mode: Mode, motion: Floats) -> Contact:
+        """Return the same of a patch at rest that begins to move: with the friction of `motion`.
+
+        Parameters
+        ----------
+        y : ndarray, shape (13, n)
+        mode : Mode
+            In which the patch moves.
+        motion : ndarray, shape (3, n)
+            Directions of (u1, u2, a omega_z).
+        """
+        here = self._setting(y, replace(mode, slips=False))
+        return self._contact(mode, here, self._law(y, mode, motion))
 
     def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
         """Rates of all rows in sigma, shape (13, n); zero without `along` of what nothing needs."""
         here = self._setting(y, mode)
-        return self._rates(y, mode, here, self._contact(y, mode, here), along=along)
+        contact = self._contact(mode, here, self._law(y, mode))
+        return self._rates(y, mode, here, contact, along=along)
 
     def _rates(
         self, y: Floats, mode: Mode, here: Setting, contact: Contact, *, along: bool
@@ -137,7 +162,7 @@ class GeneralEquations:
         e, at = self.effects, here.at
         w1, w2, w3 = y[TURN]
         # without level turning the axes stay, to the last bit
-        rotation = np.zeros_like(w1) if mode.rests else at.S * w3 - at.C * w1
+        rotation = np.zeros_like(w1) if self._still(mode) else at.S * w3 - at.C * w1
         out = np.zeros_like(y)
         out[LEAN] = -w2
         out[TURN] = contact.turning + rotation * np.array([-w2, w1, np.zeros_like(w1)])
@@ -160,6 +185,8 @@ class GeneralEquations:
             drag = e.linear_damping * here.mass * dot(here.velocity, here.velocity)
             drag += e.angular_damping * dot(here.turning, applied(here.inertia, here.turning))
             out[DISSIPATED] += at.S * drag
+        if self.fluid and not mode.flies:
+            out[DISSIPATED] += moment_of_fluid(e, rotation, at) * rotation
         out[SUPPLIED] = at.S * here.mass * dot(here.shaking, here.velocity)
         return out
 
@@ -176,10 +203,20 @@ class GeneralEquations:
         gravity = np.asarray(self.effects.gravity.constant)
         return np.asarray(kinetic - here.mass * gravity @ place)
 
+    def _still(self, mode: Mode) -> bool:
+        """Return whether friction holds the contact point on the rim: theta' = 0."""
+        return mode.rests or self._held_on_rim(mode)
+
+    def _held_about_normal(self, mode: Mode) -> bool:
+        return bool(self.patch and not mode.slips) or bool(self.drilling and not mode.turns)
+
+    def _held_on_rim(self, mode: Mode) -> bool:
+        return mode.lands or (self.contour > 0 and not mode.runs)
+
     def _setting(self, y: Floats, mode: Mode) -> Setting:
         p, e, at = self.parameters, self.effects, Angles.of(y[LEAN])
         zero = np.zeros_like(at.S)
-        mass, centre, inertia = _body(p, e, y[TOTAL] - y[PSI])
+        mass, centre, inertia = body_of(p, e, y[TOTAL] - y[PSI])
         point = np.array(
             [zero - (1 - e.rim) - e.rim * at.S, zero, zero - (p.h - e.rim) - e.rim * at.C]
         )
@@ -218,8 +255,9 @@ class GeneralEquations:
 
     def moments_that_hold(self, mode: Mode) -> list[int]:
         """Return the components of (w, u) that moments of friction hold at zero in a mode."""
-        turning = [TURNING_Z] if self.drilling and not mode.turns else []
-        return [*turning, *([ROLLING_1, ROLLING_2] if mode.rests else [])]
+        turning = [TURNING_Z] if self._held_about_normal(mode) else []
+        running = [ROLLING_1] if self._held_on_rim(mode) else []
+        return [*turning, *([ROLLING_1, ROLLING_2] if mode.rests else running)]
 
     def impulses(self, y: Floats, mode: Mode) -> Floats:
         """Return changes of (w in frame B, u1, u2) by unit impulses of the holding moments.
@@ -237,7 +275,7 @@ class GeneralEquations:
         column = y[:, None]
         here, moments = self._setting(column, mode), self.moments_that_hold(mode)
         inverse = np.asarray(np.linalg.inv(here.inertia[..., 0]))[None]
-        D = _mobility(inverse, here, here.at)[0]
+        D = mobility_of(inverse, here, here.at)[0]
         rim = [NORMAL] if mode.slips else [SLIP_1, SLIP_2, NORMAL]
         answers = np.column_stack([D[:, rim[:-1]], D @ self._law(column, mode)[:, 0]])
         change = D[:, moments] - answers @ np.linalg.solve(answers[rim], D[np.ix_(rim, moments)])
@@ -256,45 +294,62 @@ class GeneralEquations:
         """
         here = self._setting(y[:, None], Mode())
         inverse = np.asarray(np.linalg.inv(here.inertia[..., 0]))[None]
-        return np.asarray(_mobility(inverse, here, here.at)[0])
+        return np.asarray(mobility_of(inverse, here, here.at)[0])
 
-    def _law(self, y: Floats, mode: Mode) -> Floats:
-        """Return the moments and forces that a unit of normal force causes, shape (6, n)."""
+    def _law(self, y: Floats, mode: Mode, motion: Floats | None = None) -> Floats:
+        """Return the moments and forces that a unit of normal force causes, shape (6, n).
+
+        A patch has those of `motion`, (u1, u2, a omega_z), if it is given.
+        """
         e = self.effects
-        law = np.zeros((6, y.shape[1]), dtype=y.dtype)
+        kind = y.dtype if motion is None else np.result_type(y, motion)
+        law = np.zeros((6, y.shape[1]), dtype=kind)
         law[NORMAL] = 1.0
-        if mode.slips:
+        if mode.slips and e.patch:
+            if motion is None:
+                motion = np.array([y[U1], y[U2], e.patch * self.turning(y)])
+            shared = self.mu * friction_of_patch(motion)
+            law[[SLIP_1, SLIP_2]], law[TURNING_Z] = shared[:2], e.patch * shared[2]
+        elif mode.slips:
             law[[SLIP_1, SLIP_2]] = -self.mu * y[[U1, U2]] / length(y[U1], y[U2])
         if e.drilling and mode.turns:
             law[TURNING_Z] = -e.drilling * mode.turns
+        if e.contour and mode.runs:
+            law[ROLLING_1] = e.contour * mode.runs / Angles.of(y[LEAN]).S
         if e.rolling_resistance and not mode.rests:
             level = to_level(y[TURN], Angles.of(y[LEAN]))[:2]
             law[[ROLLING_1, ROLLING_2]] = -e.rolling_resistance * level / length(*level)
         return law
 
-    def _free(self, here: Setting) -> tuple[Floats, Floats]:
+    def _free(self, here: Setting, mode: Mode) -> tuple[Floats, Floats]:
         """Return (w', u') without a force of the plane, shape (6, n), and D, shape (n, 6, 6)."""
         e, at, w = self.effects, here.at, here.turning
         inverse: Floats = np.asarray(np.linalg.inv(np.moveaxis(here.inertia, -1, 0)))
         momentum = applied(here.inertia, w)
         torque = -at.S * (cross(w, momentum) + e.angular_damping * momentum)
+        if self.fluid and not mode.flies and not self._still(mode):
+            moment = moment_of_fluid(e, at.S * w[2] - at.C * w[0], at)
+            torque = torque + moment * np.array([at.C, np.zeros_like(at.C), -at.S])
         free = np.einsum("nij,jn->in", inverse, torque)
         fall = at.S * (here.gravity - e.linear_damping * here.velocity)
         slide = fall + cross(free, here.arm) + cross(w, here.arm_rate)
         start = np.concatenate([to_level(free, at), to_level(slide, at)])
-        return start, _mobility(inverse, here, at)
+        return start, mobility_of(inverse, here, at)
 
-    def _contact(self, y: Floats, mode: Mode, here: Setting) -> Contact:
-        e, at = self.effects, here.at
-        start, mobility = self._free(here)
+    def _contact(self, mode: Mode, here: Setting, law: Floats) -> Contact:
+        at, w = here.at, here.turning
+        start, mobility = self._free(here, mode)
         held = [NORMAL]
         if not mode.slips:
             held = [SLIP_1, SLIP_2, NORMAL]
-        if e.drilling and not mode.turns:
+        if self._held_about_normal(mode):
             held = [TURNING_Z, *held]
+        held = [ROLLING_1, *held] if self._held_on_rim(mode) and not mode.rests else held
         if mode.rests:
             held = [ROLLING_1, ROLLING_2, *held]
-        law = self._law(y, mode)
+        if self._held_on_rim(mode):
+            # theta' = 0 is kept in directions that precess with the can
+            start[ROLLING_1] += w[0] * w[1]
         answer = np.einsum("nij,jn->in", mobility, law)
         columns = np.moveaxis(mobility[:, :, held], 0, -1)
         columns[:, -1] = answer
@@ -313,6 +368,8 @@ class GeneralEquations:
             wrench[index] += share[row]
         both = start + np.einsum("nij,jn->in", mobility, wrench)
         both[held] = 0.0
+        if self._held_on_rim(mode):
+            both[ROLLING_1] = -w[0] * w[1]
         return Contact(
             force=wrench[3:],
             moment=wrench[:3],
@@ -320,36 +377,3 @@ class GeneralEquations:
             slipping=both[[SLIP_1, SLIP_2]],
             normal_mobility=normal_mobility * here.mass,
         )
-
-
-def _body(p: Parameters, e: Effects, theta: Floats) -> tuple[float, Floats, Floats]:
-    """Mass, centre of mass (3, n) from the can's centre, and inertia (3, 3, n), in frame B."""
-    n = theta.size
-    inertia = np.repeat(np.diag([p.a, p.a, p.c])[..., None], n, axis=2)
-    if e.mass is None:
-        return 1.0, np.zeros((3, n)), inertia
-    share, x, y, z = e.mass.share, e.mass.x, e.mass.y, e.mass.z
-    cos, sin = np.cos(theta), np.sin(theta)
-    place = np.array([x * cos - y * sin, x * sin + y * cos, z + 0 * cos])
-    square = np.eye(3)[..., None] * dot(place, place) - place[:, None] * place[None]
-    return 1 + share, share / (1 + share) * place, inertia + share / (1 + share) * square
-
-
-def _mobility(inverse: Floats, here: Setting, at: Angles) -> Floats:
-    """D in level directions, shape (n, 6, 6)."""
-    n = at.S.size
-    x, y, z = here.arm
-    zero = np.zeros_like(x)
-    arm = np.moveaxis(np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]), -1, 0)
-    lever = inverse @ arm
-    level = np.zeros((n, 3, 3), dtype=x.dtype)
-    level[:, 0, 0], level[:, 0, 2] = at.C, -at.S
-    level[:, 2, 0], level[:, 2, 2] = at.S, at.C
-    level[:, 1, 1] = 1.0
-    back = np.swapaxes(level, 1, 2)
-    D = np.empty((n, 6, 6), dtype=lever.dtype)
-    D[:, :3, :3] = level @ inverse @ back
-    D[:, :3, 3:] = level @ lever @ back
-    D[:, 3:, :3] = np.swapaxes(D[:, :3, 3:], 1, 2)
-    D[:, 3:, 3:] = np.eye(3) / here.mass - level @ arm @ lever @ back
-    return D

@@ -52,6 +52,12 @@ class Angles:
         return cls(T=T, S=2 * T / (1 + T * T), C=-np.tanh(lean))
 
 
+def rotation(y: Floats) -> Floats:
+    """Return sin(phi) theta', shape (n,): how fast the contact point runs along the rim."""
+    at = Angles.of(y[LEAN])
+    return np.asarray(at.S * y[W3] - at.C * y[W1])
+
+
 def released(problem: Problem, *, at: bool = True) -> Floats:
     """State at the release, with the can's centre over (0, 0); the contact there without `at`."""
     p, e = problem.parameters, problem.effects
@@ -66,7 +72,7 @@ def released(problem: Problem, *, at: bool = True) -> Floats:
     return y
 
 
-def sizes(rows: Index, y: Floats) -> Floats:
+def sizes(rows: Index, y: Floats, patch: float = 0.0) -> Floats:
     """Return the size of each entry, as the scale of errors and differences.
 
     Parameters
@@ -74,6 +80,8 @@ def sizes(rows: Index, y: Floats) -> Floats:
     rows : ndarray of int
         U1 and U2, if they are there, last.
     y : ndarray, shape (rows, n)
+    patch : float
+        Radius of the patch of contact, whose turning has a friction as its slip has.
     """
     size = np.ones_like(y)
     turns = (rows >= W1) & (rows <= W3)
@@ -81,6 +89,8 @@ def sizes(rows: Index, y: Floats) -> Floats:
     size[turns] = np.maximum(turning, FLOOR * (1 + turning.max()))
     if rows[-1] == U2:
         size[-2:] = np.maximum(np.hypot(y[-2], y[-1]), LEAST_SLIP)
+        if patch:
+            size[-2:] = np.maximum(size[-2:], patch * np.abs(y[turns]).max(axis=0))
     return size
 
 

@@ -13,11 +13,13 @@ import numpy as np
 import scipy
 
 from reference.equations.compiled_equations import CompiledEquations, laws_of
-from reference.equations.contact_laws import Contact, Equations
-from reference.equations.state_vector import LEAN, TIME, U1, U2, W2
+from reference.equations.contact_laws import Contact, Equations, Mode
+from reference.equations.state_vector import LEAN, TIME, W2, rotation
 from reference.nonsmooth.level_spin import stands
+from reference.nonsmooth.patch_onset import moving, rim_of
 from reference.nonsmooth.segments import Segment
-from reference.nonsmooth.slip_onset import LEAN_OF_CAN, holding, reserve
+from reference.nonsmooth.slip_onset import LEAN_OF_CAN, holding, holding_on_rim, reserve
+from reference.nonsmooth.stopping import LANDING
 from reference.problem.outcome import Outcome
 from reference.problem.states import Floats
 
@@ -26,6 +28,10 @@ LOOKS = tuple(np.linspace(0.0, 1.0, 41).tolist())
 FLAT = -184.0
 # The same where the normal force is asked for: below 1e-26 its round-off would lift the can.
 FLAT_AND_PUSHED = -60.0
+# Where a can has 1e-5 rad to fall its contact point, stopped by fluid but for this share of its
+# fall, is held: what that takes is below the round-off of the energy, and the stiffness of a film,
+# which grows as 1/phi^2 as does what it makes of a round-off, is not followed to the end.
+STOPPED_BY_FLUID = 1e-13
 # Of the fall of a parabola below three places: where these are less far from zero it is followed.
 NEAR_ZERO = 4.0
 # Share of a piece after which what begins with it has a direction.
@@ -49,6 +55,9 @@ class EventKind(Enum):
     TURNS = auto()
     ROLLS = auto()
     TOUCHES = auto()
+    STANDS = auto()
+    RUNS = auto()
+    LANDS = auto()
 
 
 KINDS = tuple(EventKind)
@@ -60,6 +69,8 @@ LIMITS = {
     EventKind.ROLLS,
     EventKind.HELD,
     EventKind.TURNS,
+    EventKind.STANDS,
+    EventKind.RUNS,
 }
 """Events that end a mode wherever their margin is negative, also at the start of a piece."""
 EXTREMA = (EventKind.MAXIMUM, EventKind.MINIMUM)
@@ -79,6 +90,8 @@ OF_THE_STATE = {
     EventKind.FLAT,
     EventKind.HELD,
     EventKind.TOUCHES,
+    EventKind.STANDS,
+    EventKind.LANDS,
 }
 """Events whose margin needs the state alone, and no force, which may have no direction yet."""
 
@@ -132,7 +145,7 @@ def events(
     begun = np.ones(looks.size, dtype=bool)
     if piece.mode.slips:
         # a slip that begins has no direction yet, and so no contact
-        begun &= np.hypot(y[U1], y[U2]) > 0
+        begun &= np.hypot.reduce(moving(equations, y)) > 0
     if equations.resistance and not piece.mode.rests:
         # nor has a rolling that does
         begun &= np.logical_not(stands(y))
@@ -163,7 +176,7 @@ def _zeros(
     what: EventKind, margin: Callable[[float], float], places: Floats, values: Floats
 ) -> list[float]:
     """Return where a margin, sampled at some places, falls through zero."""
-    if what is EventKind.HELD and values[0] <= 0:
+    if what in {EventKind.HELD, EventKind.STANDS} and values[0] <= 0:
         # a turning that begins has no sense yet
         values, places = values[1:], places[1:]
     down = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
@@ -199,15 +212,33 @@ def _margins(
         margins[EventKind.LIFTS] = pushes
     elif not equations.bilateral_normal:
         margins[EventKind.LIFTS] = lambda seen: seen.contact.force[2]
-    if mode.slips or equations.drilling or equations.resistance:
+    if mode.slips or equations.drilling or equations.resistance or equations.contour:
         margins[EventKind.JAMS] = lambda seen: seen.contact.normal_mobility - LEAST_MOBILITY
     if not mode.slips and np.isfinite(equations.mu):
-        margins[EventKind.SLIPS] = lambda seen: reserve(equations, seen.contact)
+        rim = rim_of(equations)
+        margins[EventKind.SLIPS] = lambda seen: reserve(equations, seen.contact, rim)
     if equations.drilling and mode.turns:
         margins[EventKind.HELD] = lambda seen: mode.turns * equations.turning(seen.y)
     elif equations.drilling:
         margins[EventKind.TURNS] = lambda seen: holding(equations, seen.contact)
+    return margins if mode.lands else margins | _along_the_rim(mode, equations)
+
+
+def _along_the_rim(mode: Mode, equations: Equations) -> dict[EventKind, Margin]:
+    """Return the quantities of the motion of the contact point along the rim."""
+    margins: dict[EventKind, Margin] = {}
+    if equations.fluid and not mode.rests:
+        margins[EventKind.LANDS] = lambda seen: _to_landing(seen.y)
+    if equations.contour and mode.runs:
+        margins[EventKind.STANDS] = lambda seen: mode.runs * rotation(seen.y)
+    elif equations.contour:
+        margins[EventKind.RUNS] = lambda seen: holding_on_rim(equations, seen.contact, seen.y)
     return margins
+
+
+def _to_landing(y: Floats) -> Floats:
+    """Return the margin to where a can falls flat and fluid has stopped its contact point."""
+    return np.asarray(np.maximum(y[LEAN] - LANDING, np.abs(rotation(y)) - STOPPED_BY_FLUID * y[W2]))
 
 
 def _dips(

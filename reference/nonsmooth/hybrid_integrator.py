@@ -21,6 +21,7 @@ from reference.equations.state_vector import (
     snapshot_of,
     tail_of,
 )
+from reference.nonsmooth import stopping
 from reference.nonsmooth.events import ENDINGS, EXTREMA, Event, EventKind, events
 from reference.nonsmooth.level_spin import HARDLY
 from reference.nonsmooth.radau_iia import (
@@ -40,6 +41,7 @@ from reference.nonsmooth.transitions import (
     begin_on_rim,
     begin_roll,
     begin_slip,
+    land,
     settled,
     straight_on,
 )
@@ -143,6 +145,8 @@ class HybridIntegrator:
 
     def _stuck(self) -> Outcome:
         """Return why there is no next step."""
+        if stopping.comes_to_rest(self._equations, self._y):
+            return Outcome.CAME_TO_REST
         if self._evaluations > self._most_work():
             return Outcome.OUTWORKED
         jams = self._pieces and left_to_jam(self._equations, self._pieces[-1]) < JAMMED
@@ -174,13 +178,17 @@ class HybridIntegrator:
 
     def _sizes(self, rows: Index, core: Floats) -> Floats:
         """Return the size of each entry of the core, shape (rows, n)."""
-        return sizes(rows, core)
+        return sizes(rows, core, self._equations.patch)
 
     def _taken(self, series: Floats, length: float, tail: float) -> Segment:
         """Return a step that is resolved, and choose the length of the next."""
         # a tail of round-off says only that more is to be had
         grown = 0.9 * length * (RESOLVED / max(tail, NOISE)) ** (1 / STAGES)
-        self._length = 2.0 * length if tail < NOISE else min(grown, LONGEST)
+        self._length = (
+            2.0 * length
+            if tail < NOISE
+            else min(grown, LONGEST * stopping.pace(self._equations, self._y))
+        )
         return Segment(start=self._y, coefficients=series, cut=1.0, length=length, mode=self._mode)
 
     def _most_work(self) -> int:
@@ -195,14 +203,15 @@ class HybridIntegrator:
         """Return whether what begins keeps its direction up to the first point of a step."""
         y = self._y.copy()
         y[rows] += change
-        return self._now.keeps_direction(y)
+        return self._now.keeps_direction(self._equations, y)
 
     def _left(self) -> float:
         """Return the longest step that does not pass the end of a slip or of a rolling."""
         if self._now.at_once:
             return LONGEST
         here = self._equations, self._y, self._mode
-        return SHARE * min(left_of_slip(*here), left_of_roll(*here))
+        stops = SHARE * min(left_of_slip(*here), left_of_roll(*here))
+        return min(stops, stopping.left_of_fall(*here[:2]))
 
     def _rates(self, core: Floats, rows: Index) -> Floats:
         full = np.repeat(self._y[:, None], core.shape[1], axis=1).astype(core.dtype)
@@ -290,8 +299,11 @@ class HybridIntegrator:
             now = begin_roll(self._equations, self._y, self._now)
             self._go_on(settled(self._equations, self._y, now))
             self._turned(before=0.0)
+        elif event is not None and event.what is EventKind.LANDS:
+            self._y, now = land(self._equations, self._y, self._mode)
+            self._go_on(now)
         elif event is not None:
-            self._go_on(begin(self._equations, self._y, self._mode))
+            self._go_on(begin(self._equations, self._y, self._mode, event.what))
         else:
             self._halt()
 
@@ -299,10 +311,12 @@ class HybridIntegrator:
         """Hold a slip or rolling that has stopped but for round-off, if friction can hold it."""
         before = float(self._y[W2])
         self._y, mode = halted(self._equations, self._y, self._mode)
-        if mode != self._mode:
+        if mode.rests and stopping.comes_to_rest(self._equations, self._y):
+            self.watch.end(float(self._y[TIME]), Outcome.CAME_TO_REST)
+        elif mode != self._mode:
             rests = mode.rests and not self._mode.rests
             # the steps of what stops are as short as what is left of it, not the next's
-            self._length = FIRST
+            self._length = FIRST * stopping.pace(self._equations, self._y)
             self._go_on(begin(self._equations, self._y, mode))
             if rests:
                 self._turned(before=before)
@@ -319,7 +333,7 @@ class HybridIntegrator:
         """Continue with a transition, or end the motion."""
         self._now = now
         if now.at_once:
-            self._length = min(self._length, FIRST)
+            self._length = min(self._length, FIRST * stopping.pace(self._equations, self._y))
         if now.ending is not None:
             self.watch.end(float(self._y[TIME]), now.ending)
 

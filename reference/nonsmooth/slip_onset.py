@@ -50,6 +50,7 @@ The level part of the angular velocity begins in the same way, under the moment 
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -85,6 +86,20 @@ class SlipOnset:
         return np.array([np.cos(self.angle), np.sin(self.angle)])
 
 
+class Onset(Protocol):
+    """How a motion begins: its acceleration in sigma, and its direction."""
+
+    @property
+    def size(self) -> float:
+        """Acceleration along the direction."""
+        ...
+
+    @property
+    def direction(self) -> Floats:
+        """Unit vector, shape (2,), or (3,) of a patch."""
+        ...
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UnilateralHold:
     """A motion that a reaction within a cone can hold at rest.
@@ -99,12 +114,15 @@ class UnilateralHold:
         Of what begins, shape (2, n), from a contact and its states.
     reaction : callable
         That holds it, shape (2, n), and its limit, shape (n,).
+    patch : bool
+        Whether it slips and turns together, in three components instead of two.
     """
 
     freed: Callable[[Mode], Mode]
     infinitesimal: Callable[[Floats, Floats], Floats]
     acceleration: Callable[[Contact, Floats], Floats]
     reaction: Callable[[Equations, Contact], tuple[Floats, Floats]]
+    patch: bool = False
 
 
 def _slipping(y: Floats, direction: Floats) -> Floats:
@@ -117,7 +135,7 @@ RIM = UnilateralHold(
     freed=lambda mode: replace(mode, slips=True),
     infinitesimal=_slipping,
     acceleration=lambda contact, _: contact.slipping,
-    reaction=lambda equations, contact: (contact.force[:2], equations.mu * contact.force[2]),
+    reaction=lambda equations, contact: (contact.force[:2], equations.mu_static * contact.force[2]),
 )
 """Friction holds the rim's material where it touches."""
 
@@ -136,19 +154,28 @@ LEAN_OF_CAN = UnilateralHold(
 def slack(equations: Equations, contact: Contact, rest: UnilateralHold = RIM) -> Floats:
     """Return the unused part of the cone of a contact at rest, (mu N - |F|) sin phi, shape (n,)."""
     reaction, limit = rest.reaction(equations, contact)
-    return np.asarray(limit - np.hypot(*reaction))
+    return np.asarray(limit - np.hypot.reduce(reaction))
 
 
 def reserve(equations: Equations, contact: Contact, rest: UnilateralHold = RIM) -> Floats:
     """Return the margin to the end of a hold, `BEYOND` its cone, times sin phi, shape (n,)."""
     reaction, limit = rest.reaction(equations, contact)
-    return np.asarray((1 + BEYOND) * limit - np.hypot(*reaction))
+    return np.asarray((1 + BEYOND) * limit - np.hypot.reduce(reaction))
 
 
 def holding(equations: Equations, contact: Contact) -> Floats:
     """Return the same margin of the hold of turning about the normal, shape (n,)."""
     limit = (1 + BEYOND) * equations.drilling * contact.force[2]
     return np.asarray(limit - np.abs(contact.moment[2]))
+
+
+def holding_on_rim(equations: Equations, contact: Contact, y: Floats) -> Floats:
+    """Return the same margin of the hold of the contact point on the rim, shape (n,).
+
+    Times sin phi, as the others: the moment that holds theta' has the limit f N/sin(phi).
+    """
+    limit = (1 + BEYOND) * equations.contour * contact.force[2]
+    return np.asarray(limit - np.abs(contact.moment[0]) * Angles.of(y[LEAN]).S)
 
 
 def onset(

@@ -10,8 +10,9 @@ import numpy as np
 
 from reference.equations.contact_laws import Equations, Mode
 from reference.equations.frames import to_level
-from reference.equations.state_vector import LEAN, SLIP, TURN, Angles
+from reference.equations.state_vector import LEAN, SLIP, TURN, W2, Angles
 from reference.nonsmooth.level_spin import BESIDE, level_turning, with_level
+from reference.nonsmooth.patch_onset import moving, rim_of, with_turning
 from reference.nonsmooth.segments import Segment
 from reference.problem.states import Floats
 
@@ -19,6 +20,38 @@ from reference.problem.states import Floats
 # own velocity. So is a slip that stops within such a sigma, however fast: what would be left of a
 # step no longer moves a double.
 STOPPED = 1e-14
+# Of a can that all but stands the time of the rim runs faster than the can moves: below this
+# angular velocity first and longest steps are shares of its reciprocal. Else each of the many
+# phases of stick and slip of a disk that comes to rest begins with twenty steps that double.
+CREEPS, CREEPING = 1e-2, 2.0
+# ln tan(phi/2) of a disk with 1e-9 rad to go: from there rolling resistance brings it to rest in a
+# time that goes as the square root of phi, in ever more phases of stick and slip.
+ALL_BUT_FLAT = -21.4
+# ln tan(phi/2) of a can that has 1e-5 rad to fall, and how much of it a step takes from there: a
+# share of exp(-3). A longer one leaves the precession, which goes with phi, no digits at its end.
+LANDING, FALL = -12.2, 3.0
+
+
+def left_of_fall(equations: Equations, y: Floats) -> float:
+    """Return the sigma in which a can that falls flat loses digits; inf if it does not."""
+    slowed = bool(equations.fluid or equations.contour or equations.patch)
+    falls = slowed and y[LEAN] < LANDING and y[W2] > 0
+    return float(FALL / y[W2]) if falls else np.inf
+
+
+def pace(equations: Equations, y: Floats) -> float:
+    """Return how much longer steps are than those of a can that moves at a rate of 1."""
+    speed = float(np.abs(y[TURN]).max())
+    return CREEPING / speed if equations.resistance and 0 < speed < CREEPS else 1.0
+
+
+def comes_to_rest(equations: Equations, y: Floats) -> bool:
+    """Return whether rolling resistance has all but stopped a disk that lies all but flat.
+
+    Such a disk does not fall as a can tips: phi goes as the square of the time that is left.
+    """
+    flat = equations.resistance > 0 and y[LEAN] < ALL_BUT_FLAT
+    return bool(flat and y[W2] ** 2 < np.exp(y[LEAN]))
 
 
 def left_of_slip(equations: Equations, y: Floats, mode: Mode) -> float:
@@ -32,6 +65,10 @@ def left_of_slip(equations: Equations, y: Floats, mode: Mode) -> float:
     """
     if not mode.slips:
         return np.inf
+    if equations.patch:
+        contact = equations.contact(y[:, None], mode)
+        slowing = rim_of(equations).acceleration(contact, y[:, None])[:, 0]
+        return _until_none(moving(equations, y), slowing)
     rates = equations.rates(y[:, None], mode, along=False)
     return _until_none(y[SLIP], rates[SLIP, 0])
 
@@ -60,9 +97,16 @@ def left_of_roll(equations: Equations, y: Floats, mode: Mode) -> float:
 def halted(equations: Equations, y: Floats, mode: Mode) -> tuple[Floats, Mode]:
     """Return a state without a slip or rolling that has stopped, and the mode that holds it."""
     left = left_of_slip(equations, y, mode)
-    if left <= STOPPED or (np.hypot(*y[SLIP]) <= STOPPED and np.isfinite(left)):
+    least = STOPPED
+    if equations.patch:
+        # the turning about the normal has the round-off of the others
+        least *= equations.patch * (1 + float(np.abs(y[TURN]).max()))
+    slow = np.hypot.reduce(moving(equations, y)) <= least
+    if left <= STOPPED or (slow and np.isfinite(left)):
         y, mode = y.copy(), replace(mode, slips=False)
         y[SLIP] = 0.0
+        if equations.patch:
+            y = with_turning(y[:, None], np.zeros(1))[:, 0]
     if not equations.resistance:
         return y, mode
     # beside a turning about the vertical the little that is left has no direction
@@ -79,6 +123,6 @@ def at_rest(y: Floats, mode: Mode) -> tuple[Floats, Mode]:
 
 
 def _until_none(velocity: Floats, acceleration: Floats) -> float:
-    speed = np.hypot(*velocity)
+    speed = np.hypot.reduce(velocity)
     slowing = -(velocity @ acceleration) / speed
     return float(speed / slowing) if slowing > 0 else np.inf

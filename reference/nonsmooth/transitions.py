@@ -23,15 +23,31 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reference.equations.contact_laws import Contact, Equations, Mode
-from reference.equations.state_vector import SLIP, TURN, U1, U2, W2
+from reference.equations.newton_euler import GeneralEquations
+from reference.equations.state_vector import (
+    LEAN,
+    SLIP,
+    TURN,
+    U1,
+    U2,
+    W1,
+    W2,
+    W3,
+    Angles,
+    rotation,
+)
+from reference.nonsmooth.events import EventKind
 from reference.nonsmooth.level_spin import level_turning, stands, with_level
+from reference.nonsmooth.patch_onset import growth, moving, patch_onset, rim_of, with_turning
 from reference.nonsmooth.radau_iia import integrator
 from reference.nonsmooth.slip_onset import (
     LEAN_OF_CAN,
     RIM,
+    Onset,
     SlipOnset,
     UnilateralHold,
     holding,
+    holding_on_rim,
     onset,
     reserve,
 )
@@ -43,6 +59,7 @@ from reference.problem.states import Floats
 # a Newton iteration starts from them, to which a guess is enough.
 ROUNDS = 12
 AGREED = 1e-6
+LETS_GO = {EventKind.TURNS, EventKind.RUNS}
 # How far along to look for how the accelerations change.
 LATER = 1e-6
 
@@ -54,15 +71,19 @@ class ModeTransition:
     Attributes
     ----------
     mode : Mode
-    slip, roll : SlipOnset or None
+    slip : Onset or None
+    roll : SlipOnset or None
         How it begins, if it does.
+    rim : UnilateralHold
+        How friction holds the rim.
     ending : Outcome or None
         Why there is nothing to follow.
     """
 
     mode: Mode
-    slip: SlipOnset | None = None
+    slip: Onset | None = None
     roll: SlipOnset | None = None
+    rim: UnilateralHold = RIM
     ending: Outcome | None = None
 
     @property
@@ -70,9 +91,9 @@ class ModeTransition:
         """Return whether a slip or a rolling begins from rest."""
         return self.slip is not None or self.roll is not None
 
-    def keeps_direction(self, y: Floats) -> bool:
+    def keeps_direction(self, equations: Equations, y: Floats) -> bool:
         """Return whether what begins still moves, in a state soon after, in its direction."""
-        along = self.slip is None or float(y[SLIP] @ self.slip.direction) > 0
+        along = self.slip is None or float(moving(equations, y) @ self.slip.direction) > 0
         level = level_turning(y[:, None])[:, 0]
         return along and (self.roll is None or float(level @ self.roll.direction) > 0)
 
@@ -82,19 +103,21 @@ class ModeTransition:
         if self.roll is not None:
             column = LEAN_OF_CAN.infinitesimal(column, self.roll.direction[:, None])
         if self.slip is not None:
-            column = RIM.infinitesimal(column, self.slip.direction[:, None])
+            column = self.rim.infinitesimal(column, self.slip.direction[:, None])
         return column
 
 
 def begin_on_rim(equations: Equations, y: Floats) -> tuple[Floats, ModeTransition]:
     """Return a state on the rim, shape (13,), with all held that rests, and how it goes on."""
-    mode = Mode(slips=bool(y[SLIP].any()))
+    mode = Mode(slips=bool(moving(equations, y).any()))
     if equations.resistance and stands(y[:, None])[0]:
         y, mode = at_rest(y, mode)
     return y, begin(equations, y, mode)
 
 
-def begin(equations: Equations, y: Floats, mode: Mode) -> ModeTransition:
+def begin(
+    equations: Equations, y: Floats, mode: Mode, event: EventKind | None = None
+) -> ModeTransition:
     """Return the transition with which a motion continues.
 
     Parameters
@@ -103,8 +126,21 @@ def begin(equations: Equations, y: Floats, mode: Mode) -> ModeTransition:
     y : ndarray, shape (13,)
     mode : Mode
         With all held that is at rest.
+    event : EventKind, optional
+        Which has ended the mode. What lets go at its limit goes: the roundings of its margin there
+        are of either sign, and would hold it again.
     """
-    return settled(equations, y, ModeTransition(mode=turning(equations, y[:, None], mode)))
+    column = y[:, None]
+    moment = equations.contact(column, mode).moment[:, 0] if event in LETS_GO else np.zeros(3)
+    if event is EventKind.TURNS:
+        mode = replace(mode, turns=int(-np.sign(moment[2])))
+    else:
+        mode = turning(equations, column, mode)
+    if event is EventKind.RUNS:
+        mode = replace(mode, runs=int(np.sign(moment[0])))
+    else:
+        mode = running(equations, column, mode)
+    return settled(equations, y, ModeTransition(mode=mode))
 
 
 def settled(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
@@ -126,19 +162,32 @@ def settled(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransit
     return now if ending is None else replace(now, ending=ending)
 
 
+def land(equations: Equations, y: Floats, mode: Mode) -> tuple[Floats, ModeTransition]:
+    """Return a state whose contact point, stopped by fluid, is held, and what follows."""
+    at, y = Angles.of(y[LEAN]), y.copy()
+    y[W1] = y[W3] * at.S / at.C
+    return y, begin(equations, y, replace(mode, runs=0, lands=True))
+
+
 def begin_slip(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
     """Release the slip of the rim, in its only admissible direction."""
-    free = RIM.freed(now.mode)
-    slip = onset(equations, now.infinitesimal(y)[:, 0], free)
+    rest = rim_of(equations)
+    free, here = rest.freed(now.mode), now.infinitesimal(y)[:, 0]
+    slip: Onset | Outcome
+    if isinstance(equations, GeneralEquations) and equations.patch:
+        slip = patch_onset(equations, here, free)
+    else:
+        slip = onset(equations, here, free)
     if isinstance(slip, Outcome):
         return replace(now, ending=slip)
-    return replace(now, mode=free, slip=slip)
+    return replace(now, mode=free, slip=slip, rim=rest)
 
 
 def begin_roll(equations: Equations, y: Floats, now: ModeTransition) -> ModeTransition:
     """Release the rolling of the can, in its only admissible direction."""
     free = LEAN_OF_CAN.freed(now.mode)
-    roll = onset(equations, now.infinitesimal(y)[:, 0], free, LEAN_OF_CAN)
+    here = now.infinitesimal(y)[:, 0]
+    roll = onset(equations, here, free, LEAN_OF_CAN)
     if isinstance(roll, Outcome):
         return replace(now, ending=roll)
     return replace(now, mode=free, roll=roll)
@@ -146,6 +195,7 @@ def begin_roll(equations: Equations, y: Floats, now: ModeTransition) -> ModeTran
 
 def straight_on(equations: Equations, y: Floats, now: ModeTransition, ahead: Floats) -> Floats:
     """Return a linear guess of the change of a state, shape (13, n), after sigma, shape (n,)."""
+    rest = now.rim
     column, sticking = y[:, None], now.mode
     if now.at_once:
         column = replace(now, slip=None).infinitesimal(y)
@@ -157,7 +207,11 @@ def straight_on(equations: Equations, y: Floats, now: ModeTransition, ahead: Flo
         guess[TURN] = with_level(y[:, None] + guess, level)[TURN] - y[TURN, None]
     if now.slip is not None:
         others = replace(now, slip=None, mode=replace(now.mode, slips=False))
-        guess[SLIP] = _grown(equations, y, others, now.slip, RIM, ahead=ahead)
+        grown = _grown(equations, y, others, now.slip, rest, ahead=ahead)
+        guess[SLIP] = grown[:2]
+        if equations.patch:
+            turned = with_turning(y[:, None] + guess, grown[2] / equations.patch)
+            guess[TURN] = turned[TURN] - y[TURN, None]
     return guess
 
 
@@ -165,7 +219,7 @@ def _grown(
     equations: Equations,
     y: Floats,
     others: ModeTransition,
-    begun: SlipOnset,
+    begun: Onset,
     rest: UnilateralHold,
     *,
     ahead: Floats,
@@ -180,8 +234,11 @@ def _grown(
     bend = (equations.rates(column + LATER * rates, held) - rates) / LATER
     times = np.append(0.0, ahead)
     along = column + rates * times + bend * times**2 / 2
+    if isinstance(equations, GeneralEquations) and rest.patch:
+        gained = growth(equations, along[:, 1:], rest.freed(held))
+        return np.asarray(ahead[-1] * (gained @ integrator().T))
     reaction, _ = rest.reaction(equations, equations.contact(along, held))
-    against = -reaction / np.maximum(np.hypot(*reaction), np.finfo(float).tiny)
+    against = -reaction / np.maximum(np.hypot.reduce(reaction), np.finfo(float).tiny)
     moving = rest.infinitesimal(along, against)
     contact = equations.contact(moving, rest.freed(held))
     gains = (rest.acceleration(contact, moving) * against).sum(axis=0)
@@ -205,20 +262,40 @@ def turning(equations: Equations, column: Floats, mode: Mode) -> Mode:
     return replace(mode, turns=int(-np.sign(needed)))
 
 
+def running(equations: Equations, column: Floats, mode: Mode) -> Mode:
+    """Return the mode in which the contact point runs on along the rim, or is held there."""
+    if not equations.contour or mode.lands:
+        return mode
+    along = float(rotation(column)[0])
+    small = 1e-12 * (1 + float(np.abs(column[[U1, U2, W2], 0]).max()))
+    if abs(along) > small:
+        return replace(mode, runs=int(np.sign(along)))
+    held = replace(mode, runs=0)
+    contact = equations.contact(column, held)
+    if holding_on_rim(equations, contact, column)[0] > 0:
+        return held
+    return replace(mode, runs=int(np.sign(contact.moment[0, 0])))
+
+
 def _give_way(
     equations: Equations, y: Floats, now: ModeTransition, contact: Contact
 ) -> ModeTransition:
     """Release one motion that is held beyond its limit, given the contact as it is."""
+    rest, column = rim_of(equations), now.infinitesimal(y)
     may_slip = not now.mode.slips and np.isfinite(equations.mu)
     if may_slip and contact.force[2, 0] <= 0:
         return begin_slip(equations, y, now)
     if now.mode.rests and reserve(equations, contact, LEAN_OF_CAN)[0] < 0:
         return begin_roll(equations, y, now)
     if equations.drilling and now.mode.turns == 0:
-        mode = turning(equations, now.infinitesimal(y), now.mode)
+        mode = turning(equations, column, now.mode)
         if mode != now.mode:
             return replace(now, mode=mode)
-    if may_slip and reserve(equations, contact)[0] < 0:
+    if equations.contour and now.mode.runs == 0 and not now.mode.lands:
+        mode = running(equations, column, now.mode)
+        if mode != now.mode:
+            return replace(now, mode=mode)
+    if may_slip and reserve(equations, contact, rest)[0] < 0:
         return begin_slip(equations, y, now)
     return now
 

@@ -21,6 +21,8 @@ from reference.problem.validation import (
     require_vector,
 )
 
+# Strengths of the laws that oppose the motion of the contact point along the rim.
+ALONG_THE_RIM = ("contour", "contour_damping", "film", "boundary_layer")
 # A direction made of sines and cosines has length 1 up to some roundings of its parts.
 ROUNDED = 16 * float(np.finfo(float).eps)
 
@@ -192,11 +194,23 @@ class Effects:
     Parameters
     ----------
     mu : float or None
-        Coefficient of Coulomb friction, static and kinetic alike; None is a rim that never slips.
+        Coefficient of Coulomb friction; None is a rim that never slips.
+    mu_static : float or None
+        Coefficient up to which the rim sticks, at least `mu`; None is `mu`.
+    patch : float
+        Radius, in R, of the patch of contact in which sliding and drilling share the friction
+        (`reference.equations.patch_friction`); zero is a point. Excludes `drilling`.
     drilling, rolling_resistance : float
         Arms of the moments, in R, that the normal force makes about the normal and in the plane.
         A modelling choice: their limits and the cone of friction are apart, so that what one takes
         the others have not less of.
+    contour : float
+        Coefficient of dry friction against the motion of the contact point along the rim.
+    contour_damping : float
+        Force against that motion over its velocity, in m sqrt(g/R).
+    film, boundary_layer : float
+        Moments against that motion by the air below the can, over theta'/sin(phi) and over
+        |theta'|^(3/2), in units of m, R and g (`reference.equations.dissipation`).
     linear_damping, angular_damping : float
         Rates: force -rate M v, moment -rate I omega, both at the centre of mass. A modelling
         choice: velocities are relative to the plane, also of one that is shaken.
@@ -219,8 +233,14 @@ class Effects:
     """
 
     mu: float | None = None
+    mu_static: float | None = None
+    patch: float = 0.0
     drilling: float = 0.0
     rolling_resistance: float = 0.0
+    contour: float = 0.0
+    contour_damping: float = 0.0
+    film: float = 0.0
+    boundary_layer: float = 0.0
     linear_damping: float = 0.0
     angular_damping: float = 0.0
     rim: float = 0.0
@@ -232,10 +252,24 @@ class Effects:
     def __post_init__(self) -> None:
         """Refuse what makes no sense."""
         numbers = ("drilling", "rolling_resistance", "linear_damping", "angular_damping", "rim")
-        values = {name: getattr(self, name) for name in numbers}
-        if self.mu is not None:
-            values["mu"] = self.mu
+        values = {name: getattr(self, name) for name in (*numbers, "patch", *ALONG_THE_RIM)}
+        for name in ("mu", "mu_static"):
+            if getattr(self, name) is not None:
+                values[name] = getattr(self, name)
         require_numbers(EffectError, values, NOT_NEGATIVE)
+        allowed = f"at least `mu` = {self.mu!r}, and given with `mu` alone"
+        fits = self.mu_static is None or (self.mu is not None and self.mu_static >= self.mu)
+        require(EffectError, "mu_static", self.mu_static, allowed, when=fits)
+        allowed = "zero without friction `mu` > 0, whose moment the patch makes"
+        require(EffectError, "patch", self.patch, allowed, when=not self.patch or bool(self.mu))
+        allowed = "zero with `drilling`: both are friction against turning about the normal"
+        fits = not (self.patch and self.drilling)
+        require(EffectError, "patch", self.patch, allowed, when=fits)
+        allowed = (
+            "zero with `rolling_resistance`: both oppose rolling, by laws that exclude another"
+        )
+        fits = not (self.contour and self.rolling_resistance)
+        require(EffectError, "contour", self.contour, allowed, when=fits)
         allowed = "at most 1: an arc of a larger radius reaches beyond the axis"
         require(EffectError, "rim", self.rim, allowed, when=self.rim <= 1)
         fits = isinstance(self.gravity, Gravity)
@@ -254,8 +288,11 @@ class Effects:
             "slip": self.mu is not None,
             "compliance": self.compliance is not None,
             "restitution": self.restitution is not None,
+            "patch": self.patch > 0,
             "drilling": self.drilling > 0,
             "rolling_resistance": self.rolling_resistance > 0,
+            "contour_friction": self.contour > 0 or self.contour_damping > 0,
+            "air_film": self.film > 0 or self.boundary_layer > 0,
             "damping": self.linear_damping > 0 or self.angular_damping > 0,
             "rim": self.rim > 0,
             "tilt": self.gravity.tilted,

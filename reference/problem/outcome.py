@@ -9,7 +9,10 @@ class Outcome(Enum):
     FINISHED = "The solution reached the horizon it was asked for."
     OVERTURNED = "The can overturned: phi reached pi/2 and its side meets the plane."
     FELL_FLAT = "The can fell flat: the whole rim met the plane at once."
-    AT_REST = "The can came to rest: it lies flat on the plane."
+    CAME_TO_REST = (
+        "The can came to rest in finite time: it lies flat on the plane, and if it moves at all it "
+        "turns about the normal."
+    )
     STEADY = (
         "The can rolls steadily or stands balanced: phi does not oscillate, so it never bounces."
     )
@@ -24,8 +27,8 @@ class Outcome(Enum):
         "indeterminate (Painleve's paradox)."
     )
     JAMMED = (
-        "The sliding rim jams: its mobility along the normal falls to zero, where the force of the "
-        "plane has no bound (dynamic jamming, in Painleve's paradox)."
+        "The contact jams: under its friction its mobility along the normal falls to zero, where "
+        "the force of the plane has no bound (dynamic jamming, in Painleve's paradox)."
     )
     OUTWORKED = (
         "The motion calls for more than 200000 evaluations of its equations: it is not followed "

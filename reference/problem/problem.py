@@ -115,6 +115,9 @@ class Problem:
         h, rim, mass = self.parameters.h, self.effects.rim, self.effects.mass
         allowed = f"at most `h` = {h!r}, half the height, where the arcs of both rims meet"
         require(ProblemError, "effects.rim", rim, allowed, when=rim <= h * (1 + ROUNDED))
+        allowed = "less than 1: the patch of contact is no wider than the can"
+        patch = self.effects.patch
+        require(ProblemError, "effects.patch", patch, allowed, when=patch < 1)
         if mass is None:
             return
         inside = math.hypot(mass.x, mass.y) <= 1 + ROUNDED and abs(mass.z) <= h * (1 + ROUNDED)

@@ -339,9 +339,8 @@ class UnilateralMotion:
         if falls <= 0.0:
             return None
         left = 2 * up / falls / (1 - ratio)
-        rate = (
-            1 + float(np.abs(after[TURN]).max()) + abs(float(after[W1] / Angles.of(after[LEAN]).S))
-        )
+        precession = abs(float(after[W1] / Angles.of(after[LEAN]).S))
+        rate = 1 + float(np.abs(after[TURN]).max()) + precession
         return float(after[TIME]) + left if left * rate < ENDLESS else None
 
     def _land_flat(self, y: Floats) -> Onward | None:
@@ -397,5 +396,5 @@ class UnilateralMotion:
     def _rest(self, y: Floats, left: float) -> None:
         """End a motion that lies flat: at rest, unless it slides or turns on its face."""
         moves = max(float(np.abs(y[SLIP]).max()), abs(float(y[W3]))) > SLIDES
-        outcome = Outcome.FELL_FLAT if moves else Outcome.AT_REST
+        outcome = Outcome.FELL_FLAT if moves else Outcome.CAME_TO_REST
         self._watch.end(min(float(y[TIME]) + left, self._watch.t_end), outcome)

@@ -102,7 +102,7 @@ bounces = 1
         (
             "[horizon]",
             "[effects]\nslip = { nu = 0.3 }\n[horizon]",
-            "key 'effects.slip.nu' is unknown; allowed are mu",
+            "key 'effects.slip.nu' is unknown; allowed are mu, mu_static, patch",
         ),
         (
             "[horizon]",
@@ -156,8 +156,8 @@ bounces = 1
             "[effects]\nslide = { mu = 1 }\n[horizon]",
             (
                 "key 'effects.slide' is unknown, did you mean 'slip'? allowed are slip, "
-                "compliance, restitution, drilling, rolling_resistance, damping, rim, tilt, shake, "
-                "point_mass"
+                "compliance, restitution, drilling, rolling_resistance, contour_friction, "
+                "air_film, damping, rim, tilt, shake, point_mass"
             ),
         ),
     ],
@@ -182,3 +182,49 @@ def test_a_law_of_restitution_is_kept_and_its_default_leaves_the_digest(tmp_path
     assert read_scene(path) == scene
     path.write_text(GOOD.replace("[horizon]", declared % "newton"))
     assert read_scene(path).to_dict()["effects"] == {"restitution": {"coefficient": 0.5}}
+
+
+@pytest.mark.parametrize(
+    ("effects", "key"),
+    [
+        ("slip = { mu = 0.3, mu_static = 0.2 }", "effects.slip.mu_static"),
+        ("slip = { mu = 0.3, patch = -1e-3 }", "effects.slip.patch"),
+        ("slip = { mu = 0.0, patch = 1e-3 }", "effects.slip.patch"),
+        ("slip = { mu = 0.3, patch = 0.04 }", "effects.slip.patch"),
+        ("slip = { mu = 0.3, patch = 1e-3 }\ndrilling = { length = 1e-3 }", "effects.slip.patch"),
+        ("contour_friction = { coulomb = -0.1 }", "effects.contour_friction.coulomb"),
+        ("contour_friction = {}", "effects.contour_friction.coulomb"),
+        ("contour_friction = { viscous = nan }", "effects.contour_friction.viscous"),
+        ("air_film = { viscosity = 0.0 }", "effects.air_film.viscosity"),
+        ("air_film = { viscosity = 1e-5, density = -1.0 }", "effects.air_film.density"),
+        ("air_film = { density = 1.2 }", "effects.air_film.viscosity"),
+        (
+            "contour_friction = { coulomb = 0.1 }\nrolling_resistance = { length = 0.1 }",
+            "`rolling_resistance` and `contour_friction`",
+        ),
+        ("slip = { mu = 0.0 }\ncontour_friction = { coulomb = 0.1 }", "`slip` with mu 0"),
+    ],
+)
+def test_laws_that_make_no_sense_are_refused_by_key(tmp_path: Path, effects: str, key: str) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(GOOD.replace("[horizon]", f"[effects]\n{effects}\n[horizon]"))
+    with pytest.raises(SceneFileError) as caught:
+        read_scene(path)
+    assert key in str(caught.value)
+
+
+def test_equal_coefficients_are_one_and_a_scene_of_old_keeps_its_keys(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    read = []
+    for slip in ("{ mu = 0.3 }", "{ mu = 0.3, mu_static = 0.3 }", "{ mu = 0.3, mu_static = 0.4 }"):
+        path.write_text(GOOD.replace("[horizon]", f"[effects]\nslip = {slip}\n[horizon]"))
+        read.append(read_scene(path))
+    assert read[0] == read[1]
+    path.write_text(
+        GOOD.replace("[horizon]", "[effects]\nslip = { mu = 0.3, patch = 0.0 }\n[horizon]")
+    )
+    assert read_scene(path) == read[0]
+    assert read[0].to_dict()["effects"] == {"slip": {"mu": 0.3}}
+    assert read[2].to_dict()["effects"] == {"slip": {"mu": 0.3, "mu_static": 0.4}}
+    path.write_text(write_scene(read[2]))
+    assert read_scene(path) == read[2]

@@ -145,7 +145,8 @@ class Contact:
         def same(states: States, _: Parameters) -> Floats:
             return np.tile((friction, 0.0, normal), (states.phi.size, 1))
 
-        self.patch.setattr(reference.analysis.validity, "contact_force_in_world", same)
+        for module in (reference.analysis.validity, reference.equations.reaction_force):
+            self.patch.setattr(module, "contact_force_in_world", same)
 
 
 @pytest.fixture
@@ -207,7 +208,7 @@ def test_a_friction_beyond_its_cone_by_1e_8_of_the_weight_or_of_itself_is_wrong(
 class Plane:
     """Equations of a plane as far as what holds on it is concerned."""
 
-    mu: float = 0.5
+    mu_static: float = 0.5
     resistance: float = 0.25
     drilling: float = 0.125
 

@@ -9,7 +9,9 @@ from dataclasses import replace
 from typing import Any
 
 from models import (
+    AirFilm,
     Compliance,
+    ContourFriction,
     Damping,
     Drilling,
     Effects,
@@ -29,6 +31,8 @@ EFFECTS: dict[str, Any] = {
     "restitution": Restitution(coefficient=0.5),
     "drilling": Drilling(length=1e-3),
     "rolling_resistance": RollingResistance(length=5e-4),
+    "contour_friction": ContourFriction(coulomb=0.02, viscous=0.01),
+    "air_film": AirFilm(viscosity=0.1, density=1.2),
     "damping": Damping(linear=0.5, angular=0.3),
     "rim": RoundedRim(radius=2e-3),
     "tilt": Tilt(angle=0.1, direction=math.pi / 2.0),

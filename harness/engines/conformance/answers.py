@@ -19,6 +19,7 @@ from harness.engines.conformance.suite import (
     same_bits,
 )
 from models import Effects
+from models.effects import OPTIONAL_CONSTANTS
 
 _NAME = r"[a-z][a-z0-9_.-]{0,31}"
 
@@ -68,7 +69,8 @@ def capabilities(fixture: Fixture) -> ClauseResult:
     declared: object = fixture.engine.capabilities
     if not isinstance(declared, Capabilities):
         return holds(f"`capabilities` is {type(declared).__name__}, not Capabilities", "")
-    unknown = sorted(set(declared.honours) - {field.name for field in fields(Effects)})
+    known = {*(field.name for field in fields(Effects)), *OPTIONAL_CONSTANTS}
+    unknown = sorted(set(declared.honours) - known)
     if unknown:
         return holds(f"honours what is no effect of a scene: {', '.join(unknown)}", "")
     mute = [key for key, sentence in declared.imposes.items() if not sentence.strip()]

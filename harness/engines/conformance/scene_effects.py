@@ -49,6 +49,8 @@ _CONSTANTS: dict[str, dict[str, float]] = {
     "restitution": {"coefficient": 0.5},
     "drilling": {"length": 1e-3},
     "rolling_resistance": {"length": 1e-3},
+    "contour_friction": {"coulomb": 0.05},
+    "air_film": {"viscosity": 0.5},
     "damping": {"linear": 0.5, "angular": 0.5},
     "rim": {"radius": 1e-3},
     "tilt": {"angle": 0.05},

@@ -13,7 +13,7 @@ from harness.engines.reference.to_reference_problem import Releases, problem, re
 from harness.engines.world import Floats
 from models.scene import Scene
 from reference.analysis.nutation_tangents import nutation_tangents
-from reference.analysis.sensitivity import YIELDS, sensitivity
+from reference.analysis.sensitivity import NO_TANGENT, has_tangent, sensitivity
 from reference.integrable.derivatives import QUANTITIES, batch_tangents
 from reference.integrable.tangents import BY
 from reference.numerics.jets import Jet, jet_cos, jet_sin, jet_sqrt
@@ -62,7 +62,9 @@ class Derivatives:
 def derivatives_of(scene: Scene) -> Derivatives:
     """Return the derivatives of the first bounce of a scene by its own numbers."""
     numbers = scene_numbers(scene)
-    reason = refusal(scene) or (YIELDS if scene.effects.compliance is not None else "")
+    reason = refusal(scene)
+    if not reason and not has_tangent(problem(scene).effects):
+        reason = NO_TANGENT
     if reason:
         none: dict[str, float | None] = dict.fromkeys(numbers)
         return Derivatives(
@@ -169,7 +171,8 @@ def scene_numbers(scene: Scene) -> dict[str, float]:
     for name in scene.effects.declared():
         effect = getattr(scene.effects, name)
         for field in fields(effect):
-            out[f"effects.{name}.{field.name}"] = getattr(effect, field.name)
+            if (value := getattr(effect, field.name)) is not None:
+                out[f"effects.{name}.{field.name}"] = value
     return out
 
 

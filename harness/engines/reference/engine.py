@@ -18,7 +18,7 @@ from harness.engines.reference.truth import (
     solve_case,
 )
 from reference import Outcome as Ending
-from reference import Solution
+from reference import Solution, is_regular
 
 
 class ReferenceEngine:
@@ -94,8 +94,10 @@ def _ending(solution: Solution) -> tuple[Outcome, str]:
     """Return how a solution ended, in the harness's terms and in the reference's words."""
     if solution.outcome is Ending.FINISHED:
         return Outcome.FINISHED, solution.caveat
-    if solution.outcome is Ending.AT_REST:
-        return Outcome.FINISHED, solution.outcome.value
     if solution.outcome is Ending.OVERTURNED:
         return Outcome.OVERTURNED, solution.outcome.value
+    if is_regular(solution):
+        return Outcome.FLAT, solution.outcome.value
+    if solution.outcome is Ending.CAME_TO_REST:
+        return Outcome.FINISHED, solution.outcome.value
     return Outcome.NO_SOLUTION, solution.outcome.value

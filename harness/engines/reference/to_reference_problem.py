@@ -35,18 +35,10 @@ from reference.problem.problem import LEAST
 
 HONOURS = frozenset(
     {
-        "slip",
-        "compliance",
-        "compliance.exponent",
-        "restitution",
-        "restitution.law",
-        "drilling",
-        "rolling_resistance",
-        "damping",
-        "rim",
-        "tilt",
-        "shake",
-        "point_mass",
+        *("slip", "slip.mu_static", "slip.patch", "drilling", "rolling_resistance"),
+        *("contour_friction", "air_film"),
+        *("compliance", "compliance.exponent", "restitution", "restitution.law"),
+        *("damping", "rim", "tilt", "shake", "point_mass"),
     }
 )
 """Effects that a reference model carries, and constants of theirs that not every engine has."""
@@ -106,6 +98,9 @@ def effects(scene: Scene) -> Effects:
         rebound = ImpactLaw(coefficient=0.0)
     return Effects(
         mu=None if slip is None else slip.mu,
+        mu_static=None if slip is None else slip.mu_static,
+        patch=0.0 if slip is None or slip.patch is None else slip.patch / R,
+        **_along_the_rim(scene),
         drilling=0.0 if drilling is None else drilling.length / R,
         rolling_resistance=0.0 if resistance is None else resistance.length / R,
         linear_damping=0.0 if damping is None else damping.linear * T,
@@ -135,6 +130,27 @@ def _compliance(scene: Scene) -> Compliance | None:
         damping=law.damping * damping / natural_time(scene),
         exponent=law.exponent,
     )
+
+
+def _along_the_rim(scene: Scene) -> dict[str, float]:
+    """Return the strengths of the laws that oppose theta', dimensionless.
+
+    Those of air are such that a film takes the power pi mu g R^2/phi^2 of steady rolling, and a
+    boundary layer as much where it is as thick as the gap (`reference.equations.dissipation`).
+    """
+    contour, air = scene.effects.contour_friction, scene.effects.air_film
+    T, can = natural_time(scene), scene.can
+    out: dict[str, float] = {}
+    if contour is not None:
+        out |= {"contour": contour.coulomb, "contour_damping": contour.viscous * T / can.mass}
+    if air is not None:
+        film = math.pi / 4.0 * air.viscosity * can.radius * T / can.mass
+        if air.density == 0.0:
+            out["film"] = film
+        else:
+            layer = math.sqrt(air.viscosity * T / air.density)
+            out["boundary_layer"] = film * can.radius / layer
+    return out
 
 
 def _gravity(scene: Scene) -> Gravity:

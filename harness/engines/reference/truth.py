@@ -35,6 +35,7 @@ from reference import (
     Solution,
     SolverError,
     carries,
+    coming_to_rest,
     differences,
     neighbours,
     renamed_method,
@@ -137,6 +138,22 @@ class Truth:
     def complete(self) -> bool:
         """Whether the motion is followed to its end, and does not call for too much work."""
         return self.solution.outcome is not Outcome.OUTWORKED
+
+    @property
+    def rest(self) -> dict[str, float | str | None] | None:
+        """How the can came to lie flat, by the keys of `reference --json`; None if it did not."""
+        rest = coming_to_rest(self.solution)
+        if rest is None:
+            return None
+        fitted = rest.exponent is not None
+        return {
+            "t_f_s": rest.time * natural_time(self.scene),
+            "law": rest.law or None,
+            "exponent": rest.exponent,
+            "exponent_predicted": rest.predicted,
+            "from_phi_rad": rest.window[1] if fitted else None,
+            "to_phi_rad": rest.window[0] if fitted else None,
+        }
 
     @property
     def bounces(self) -> tuple[Bounce, ...]:

@@ -243,7 +243,7 @@ def _strength(law: Any) -> str:  # noqa: ANN401 - a dataclass of `models.effects
     return ", ".join(
         f"{key} = {value if isinstance(value, str) else format(value, 'g')}"
         for key, value in constants
-        if value != 0.0
+        if value
     )
 
 

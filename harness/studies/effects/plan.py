@@ -21,7 +21,9 @@ from harness.studies.effects.friction import FrictionLadder, friction_ladder
 from models.body_effects import Damping, PointMass, Shake, Tilt
 from models.can import Can
 from models.contact_effects import (
+    AirFilm,
     Compliance,
+    ContourFriction,
     Drilling,
     Restitution,
     RollingResistance,
@@ -36,6 +38,8 @@ _ALUMINIUM_ON_WOOD = 0.4
 _STIFFNESS = 1e7  # N/m: under its weight of 0.4 N a can sinks in by 40 nm
 _BLUNT = 0.02  # the radius of the rolled bead of a can's base, some 0.7 mm, over R
 _PATCH = 3e-5  # m: half of a contact patch of 0.2 mm times a friction of 0.3
+_ALONG_THE_RIM = 1e-3  # dry contour friction of a can whose patch is a thousandth of its radius
+_AIR = 1.8e-5  # Pa s: the viscosity of air at 20 degrees
 _DRAG = 0.01  # 1/s: at 1 m/s air takes 1e-4 m/s^2 per m/s off a can of 40 g, tenfold for safety
 _OFF_LEVEL = 1e-3  # rad: a millimetre on a metre
 _TRAFFIC_HZ, _TRAFFIC_M = 30.0, 1e-6  # a floor's vibration where people walk
@@ -50,6 +54,8 @@ def assumed_strengths(can: Can) -> dict[str, Any]:
         "restitution": Restitution(coefficient=0.5),
         "drilling": Drilling(length=_PATCH),
         "rolling_resistance": RollingResistance(length=_PATCH),
+        "contour_friction": ContourFriction(coulomb=_ALONG_THE_RIM),
+        "air_film": AirFilm(viscosity=_AIR),
         "damping": Damping(linear=_DRAG, angular=_DRAG),
         "rim": RoundedRim(radius=_BLUNT * min(can.radius, can.half_height)),
         "tilt": Tilt(angle=_OFF_LEVEL),

@@ -69,6 +69,7 @@ MODEL = {
     "agreement",
     "phases",
     "impacts",
+    "rest",
     "guard",
     "findings",
     "divergence",

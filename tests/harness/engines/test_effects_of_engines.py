@@ -14,7 +14,7 @@ from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import Trajectory
 from harness.engines.conformance.scene_effects import DECLARED
 from harness.engines.reference.truth import truth
-from harness.engines.registry import check_effects, engine
+from harness.engines.registry import check_effects, engine, missing_effects
 from harness.engines.world import World
 from harness.metrics.energy import energy_drift
 from models import (
@@ -215,7 +215,7 @@ def same_bits(first: Trajectory | None, second: Trajectory | None) -> bool:
 
 
 @pytest.mark.parametrize(
-    "scene", [name for name in names() if load(name).effects.restitution is None]
+    "scene", [name for name in names() if not missing_effects("mujoco", load(name))]
 )
 def test_the_stages_that_mujoco_leaves_out_change_no_bit(scene: str) -> None:
     brief = replace(load(scene), horizon=Horizon(seconds=0.1))

@@ -14,6 +14,7 @@ from hypothesis.strategies import SearchStrategy
 
 from reference import (
     PAPER_CAN,
+    Compliance,
     EffectError,
     Effects,
     Gravity,
@@ -23,6 +24,7 @@ from reference import (
     Problem,
     ProblemError,
     RefusedError,
+    Restitution,
 )
 
 Invalid = SearchStrategy[Any]
@@ -30,6 +32,8 @@ Invalid = SearchStrategy[Any]
 VALID: dict[type, Any] = {
     Mass: Mass(share=0.1, x=0.2),
     Gravity: Gravity(),
+    Compliance: Compliance(stiffness=1e3),
+    Restitution: Restitution(coefficient=0.5),
     Effects: Effects(mu=0.3),
     Parameters: PAPER_CAN,
     Problem: Problem(parameters=PAPER_CAN, phi=0.3, bounces=1),
@@ -37,6 +41,8 @@ VALID: dict[type, Any] = {
 ERRORS = {
     Mass: EffectError,
     Gravity: EffectError,
+    Compliance: EffectError,
+    Restitution: EffectError,
     Effects: EffectError,
     Parameters: ParameterError,
     Problem: ProblemError,
@@ -76,6 +82,19 @@ INVALID: dict[tuple[type, str], Invalid] = {
     (Gravity, "rate"): NOT_NEGATIVE,
     (Gravity, "phase"): ANY,
     (Effects, "mu"): NOT_FINITE | NO_NUMBER | NEGATIVE,
+    (Effects, "mu_static"): NOT_FINITE | NO_NUMBER | NEGATIVE | st.floats(0.0, 0.299),
+    (Effects, "patch"): NOT_NEGATIVE,
+    (Effects, "contour"): NOT_NEGATIVE,
+    (Effects, "contour_damping"): NOT_NEGATIVE,
+    (Effects, "film"): NOT_NEGATIVE,
+    (Effects, "boundary_layer"): NOT_NEGATIVE,
+    (Effects, "compliance"): NOT_FINITE | NO_NUMBER | st.just(VALID[Gravity]),
+    (Effects, "restitution"): NOT_FINITE | NO_NUMBER | st.just(VALID[Gravity]),
+    (Compliance, "stiffness"): POSITIVE,
+    (Compliance, "damping"): NOT_NEGATIVE,
+    (Compliance, "exponent"): ANY | st.floats(max_value=1.0, exclude_max=True) | st.floats(2.1),
+    (Restitution, "coefficient"): NOT_NEGATIVE | ABOVE_ONE,
+    (Restitution, "law"): st.sampled_from(["", "Newton", 1, None, object()]),
     (Effects, "drilling"): NOT_NEGATIVE,
     (Effects, "rolling_resistance"): NOT_NEGATIVE,
     (Effects, "linear_damping"): NOT_NEGATIVE,
@@ -95,6 +114,7 @@ INVALID: dict[tuple[type, str], Invalid] = {
     (Problem, "theta_dot"): ANY,
     (Problem, "bounces"): NO_NUMBER | NEGATIVE | st.floats() | st.just(0) | st.none(),
     (Problem, "duration"): POSITIVE,
+    (Problem, "height"): NOT_NEGATIVE | st.floats(min_value=5e-324),
     (Problem, "effects"): ANY | st.just(VALID[Gravity]),
     (Problem, "slip"): no_vector(2) | st.just((0.1, 0.0)),
 }

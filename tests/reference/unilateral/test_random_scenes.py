@@ -15,7 +15,7 @@ ROUNDED = 1e-9
 CAME_OUT = {
     Outcome.FINISHED,
     Outcome.OVERTURNED,
-    Outcome.AT_REST,
+    Outcome.CAME_TO_REST,
     Outcome.FELL_FLAT,
     Outcome.INCONSISTENT,
     Outcome.INDETERMINATE,

@@ -74,7 +74,7 @@ def test_can_rocks_on_its_face_as_housners_block_does() -> None:
     assert lost[1:] / lost[:-1] == pytest.approx(ratio**2, rel=1e-9)
     height = np.sin(0.3) + PAPER_CAN.h * (np.cos(0.3) - 1)
     assert lost[0] == pytest.approx(height * (1 - ratio**2), rel=1e-12)
-    assert solution.outcome is Outcome.AT_REST
+    assert solution.outcome is Outcome.CAME_TO_REST
     gaps = np.diff([impact.time for impact in solution.impacts])
     assert gaps[-1] / gaps[-2] == pytest.approx(ratio, rel=1e-5)
     ends = solution.impacts[-1].time + gaps[-1] * ratio / (1 - ratio)
@@ -86,7 +86,7 @@ def test_a_disk_that_falls_flat_stays_flat() -> None:
     disk = Parameters(a=0.25, c=0.5, h=0.05)
     effects = Effects(restitution=Restitution(coefficient=0.0))
     solution = solve(Problem(parameters=disk, phi=0.3, duration=9.0, effects=effects))
-    assert solution.outcome is Outcome.AT_REST
+    assert solution.outcome is Outcome.CAME_TO_REST
     height = np.sin(0.3) + disk.h * (np.cos(0.3) - 1)
     assert sum(i.energy_lost for i in solution.impacts) == pytest.approx(height, rel=1e-12)
 

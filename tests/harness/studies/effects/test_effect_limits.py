@@ -13,7 +13,9 @@ from harness.studies.effects import friction
 from harness.studies.effects.changes import EffectsResults
 from harness.studies.effects.plan import assumed_strengths, plan_effects
 from models import (
+    AirFilm,
     Compliance,
+    ContourFriction,
     Damping,
     Drilling,
     Effects,
@@ -40,6 +42,8 @@ def test_a_real_can_on_a_real_table_has_the_effects_that_readme_says() -> None:
         "restitution": Restitution(coefficient=0.5),
         "drilling": Drilling(length=3e-5),
         "rolling_resistance": RollingResistance(length=3e-5),
+        "contour_friction": ContourFriction(coulomb=1e-3),
+        "air_film": AirFilm(viscosity=1.8e-5),
         "damping": Damping(linear=0.01, angular=0.01),
         "rim": RoundedRim(radius=0.02 * CAN.radius),
         "tilt": Tilt(angle=1e-3),

@@ -119,7 +119,9 @@ def test_what_an_engine_adds_to_every_scene_cannot_be_removed() -> None:
     ("declared", "contradicted"),
     [
         pytest.param(
-            {"slip": Slip(mu=0.0)}, {"drilling", "rolling_resistance"}, marks=pytest.mark.slow
+            {"slip": Slip(mu=0.0)},
+            {"drilling", "rolling_resistance", "contour_friction"},
+            marks=pytest.mark.slow,
         ),
         ({"compliance": Compliance(stiffness=1e5, damping=10.0)}, {"restitution"}),
         ({"restitution": Restitution(coefficient=0.5)}, {"compliance"}),
@@ -173,7 +175,10 @@ def test_the_artefacts_name_every_effect_and_every_column() -> None:
 def test_only_constants_of_an_effect_can_be_assumed() -> None:
     with pytest.raises(InvalidSettingError) as caught:
         plan_effects(GENTLE, ("mujoco",), timestep=COARSE, words=(("slip.modelling_choice", 1.0),))
-    assert (caught.value.value, caught.value.allowed) == ("slip.modelling_choice", "slip.mu")
+    assert (caught.value.value, caught.value.allowed) == (
+        "slip.modelling_choice",
+        "slip.mu, slip.mu_static, slip.patch",
+    )
 
 
 def test_an_engine_that_cannot_carry_the_scene_says_so_of_every_effect() -> None:
