@@ -104,17 +104,17 @@ class CompliantEquations(GeneralEquations):
 
     def contact(self, y: Floats, mode: Mode) -> CompliantContact:
         """Return force and accelerations at the contact, from states of shape (15, n)."""
-        return self._yielding(y, mode, self._setting(y, mode), self._law(y, mode))
+        return self._yielding(y, mode, self._setting(y, mode))
 
     def begun(self, y: Floats, mode: Mode, motion: Floats) -> CompliantContact:
         """Return the same of a patch at rest that begins to move, as on a rigid contact."""
         here = self._setting(y, replace(mode, slips=False))
-        return self._yielding(y, mode, here, self._law(y, mode, motion))
+        return self._yielding(y, mode, here, motion)
 
     def rates(self, y: Floats, mode: Mode, *, along: bool = True) -> Floats:
         """Rates of all rows in sigma, shape (15, n); zero without `along` of what nothing needs."""
         here = self._setting(y, mode)
-        contact = self._yielding(y, mode, here, self._law(y, mode))
+        contact = self._yielding(y, mode, here)
         out = self._rates(y, mode, here, contact, along=along)
         out[DEPTH], out[RISE] = -here.at.S * y[RISE], contact.rising
         if along and not mode.flies:
@@ -151,14 +151,16 @@ class CompliantEquations(GeneralEquations):
         zero = np.zeros_like(y[U1])
         return np.array([y[U1], y[U2], y[RISE]] if mode.slips else [zero, zero, y[RISE]])
 
-    def _yielding(self, y: Floats, mode: Mode, here: Setting, law: Floats) -> CompliantContact:
+    def _yielding(
+        self, y: Floats, mode: Mode, here: Setting, motion: Floats | None = None
+    ) -> CompliantContact:
         at, w = here.at, here.turning
         both, mobility = self._free(here, mode)
-        wrench = np.zeros(both.shape, dtype=np.result_type(both, law))
+        wrench = np.zeros_like(both)
         held: list[int] = []
         if not mode.flies:
             held = [*self.moments_that_hold(mode), *([] if mode.slips else [SLIP_1, SLIP_2])]
-            wrench = law * (at.S * self.pressing(y))
+            wrench = self._law(y, mode, motion) * (at.S * self.pressing(y))
             both = both + np.einsum("nij,jn->in", mobility, wrench)
         # a contact point held on the rim has theta' = 0 in directions that precess with the can
         precessing = w[0] * w[1] if not mode.flies and self._held_on_rim(mode) else None
