@@ -10,6 +10,10 @@ from harness.cli.commands import app
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.core.report_model import Table
+from harness.engines.reference.truth import exact_motion
+from harness.metrics.bounces import bounces
+from harness.metrics.motion import motion
+from harness.metrics.quantities import QUANTITIES as REGISTRY
 from harness.studies.gradients.derivatives import exact_derivatives, exact_numbers, own_derivatives
 from harness.studies.gradients.design import (
     KEYS,
@@ -54,6 +58,25 @@ def test_exact_derivatives_are_those_of_the_exact_motion(
             difference = (more - less) / (2.0 * step)
             scale = abs(more) / unit_of(GENTLE, key)
             assert exact[quantity][key] == pytest.approx(difference, rel=1e-5, abs=1e-6 * scale)
+
+
+def test_what_samples_of_the_exact_motion_say_is_right_at_the_steps_of_an_engine(
+    exact: dict[str, dict[str, float]],
+) -> None:
+    def sampled(key: str, change: float) -> dict[str, float]:
+        scene = scene_at(GENTLE, {key: value_of(GENTLE, key) + change})
+        run = exact_motion(scene)
+        times = np.append(np.arange(0.0, run.ends - 1e-4, 3e-4), run.ends)
+        (bounce,) = bounces(motion(run.at(times), scene), scene.can)
+        return {quantity: REGISTRY[quantity].of_bounce(bounce) for quantity in QUANTITIES}
+
+    for key in ("release.phi", "release.psi_dot", "release.theta_dot", "can.a", "can.h"):
+        for relative in (1e-2, 1e-3, 1e-4):
+            step = relative * unit_of(GENTLE, key)
+            up, down = sampled(key, step), sampled(key, -step)
+            for quantity in QUANTITIES:
+                difference = (up[quantity] - down[quantity]) / (2.0 * step)
+                assert difference == pytest.approx(exact[quantity][key], rel=1e-3), (key, quantity)
 
 
 def test_what_is_changed_is_changed_by_its_unit() -> None:
