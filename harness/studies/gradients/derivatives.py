@@ -206,8 +206,7 @@ def _numbers_of_motion(trajectory: Trajectory, scene: Scene) -> Numbers:
 
 
 def _no_derivatives(case: Case, error: LostTaskError) -> Record:
-    del case
-    return {"slopes": {}, "why": dict.fromkeys(QUANTITIES, error.reason)}
+    return {"slopes": {}, "why": dict.fromkeys(quantities_of(case.scene), error.reason)}
 
 
 def _lost_own(case: Case, error: LostTaskError) -> Record:

@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.core.case import Case
 from harness.core.verdict import Status, Verdict
-from harness.studies.gradients.causes import Cause, long_cause, longest_run, short_cause
+from harness.studies.gradients.causes import Cause, Takeover, long_cause, longest_run, short_cause
 from harness.studies.gradients.design import unit_of
 from harness.studies.gradients.fit import ErrorOfSteps, fit_errors
 
@@ -256,6 +256,8 @@ class OwnDerivative:
         Likewise; None where there is no exact derivative.
     why : str
         Why the engine or the reference has no number.
+    cause : Takeover or None
+        What is wrong at this step; None where it is right or not judged.
     """
 
     base: Case
@@ -267,6 +269,12 @@ class OwnDerivative:
     exact: float | None
     scale: float | None
     why: str
+    cause: Takeover | None = None
+
+    @property
+    def same(self) -> tuple[object, ...]:
+        """What is equal of one derivative by several steps."""
+        return self.base, self.settings, self.key, self.quantity
 
     @property
     def error(self) -> float | None:

@@ -2,17 +2,19 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from harness.core.case import Case
 from harness.core.report_model import Artefact, Column, Prose
 from harness.engines.ladder import rung_of, spelled
 from harness.evaluation.evaluation import Record
 from harness.metrics.convergence import observed_order
-from harness.studies.gradients.derivatives import CHANGING, EXACT, OWN, PROGRAM, exact_numbers
+from harness.studies.gradients.causes import own_causes
+from harness.studies.gradients.derivatives import CHANGING, EXACT, OWN, PROGRAM, Numbers
 from harness.studies.gradients.design import (
     SETTING_STEPS,
     GradientPlan,
+    instants,
     quantities_of,
     unit_of,
     with_setting,
@@ -63,6 +65,7 @@ class GradientsStudy:
         plan, runs = self.plan, done.of(CHANGING)
         return [
             Job(EXACT, self._truth),
+            Job(CHANGING, self._truth),
             *(Job(CHANGING, base) for base in plan.settled_bases),
             *(Job(CHANGING, case) for case in plan.cases()),
             *(Job(OWN, base) for base in self._stepping),
@@ -80,7 +83,8 @@ class GradientsStudy:
     def differences(self, done: Results) -> list[Differences]:
         """Return the differences of each quantity by each key at each timestep."""
         plan, runs = self.plan, done.of(CHANGING)
-        exact, size = done.of(EXACT)[self._truth], exact_numbers(plan.scene)
+        exact, size = done.of(EXACT)[self._truth], self._exact_numbers(done)
+        times = instants(plan.scene)
         found = []
         for base in plan.bases:
             for key in plan.keys:
@@ -105,15 +109,27 @@ class GradientsStudy:
                             exact=exact["slopes"].get(quantity, {}).get(key),
                             size=math.nan if value is None else abs(value),
                             values=values,
-                            chaotic=plan.chaotic,
+                            chaotic=plan.chaotic and quantity in times,
                             why=exact["why"].get(quantity, f"no derivative by {key}"),
                         )
                     )
         return found
 
-    def own(self, done: Results) -> list[OwnDerivative]:
-        """Return the derivatives that engines have of their own."""
-        known = {(d.base, d.key, d.quantity): d for d in self.differences(done)}
+    def _exact_numbers(self, done: Results) -> Numbers:
+        """Return the exact quantities; None each if their task was lost."""
+        numbers: Numbers = done.of(CHANGING)[self._truth]["numbers"]
+        return numbers
+
+    def own(self, done: Results, differences: Sequence[Differences]) -> list[OwnDerivative]:
+        """Return the derivatives that engines have of their own.
+
+        Parameters
+        ----------
+        done : Results
+        differences : sequence of Differences
+            Of the same results: they have the exact derivatives.
+        """
+        known = {(d.base, d.key, d.quantity): d for d in differences}
         found = []
         for base, record in done.of(OWN).items():
             for entry in record["own"]:
@@ -135,16 +151,17 @@ class GradientsStudy:
                                 why=same.why if same.exact is None else unknown,
                             )
                         )
-        return found
+        return list(_with_causes(found))
 
     def report(self, done: Results) -> tuple[Artefact, ...]:
         """Return words, figures and tables."""
         scene = self.plan.scene.name
-        differences, own = self.differences(done), self.own(done)
+        differences = self.differences(done)
+        own = self.own(done, differences)
         ladders = tuple(_ladders(differences))
         times = instants_of(differences)
         along = [each for each in differences if each.quantity in times]
-        exact = exact_numbers(self.plan.scene)
+        exact = self._exact_numbers(done)
         settings = tuple(setting_changes(self.plan, done.of(CHANGING), exact))
         return (
             _summary(scene, differences, own),
@@ -162,6 +179,16 @@ class GradientsStudy:
             scene_table(scene, "timesteps", "As the timestep is shortened", _LADDERS, ladders),
             scene_table(scene, "differences", "Each difference", _EACH, _each(differences)),
         )
+
+
+def _with_causes(own: Sequence[OwnDerivative]) -> Iterator[OwnDerivative]:
+    """Yield derivatives of engines with what is wrong, which their other steps tell."""
+    errors: dict[tuple[object, ...], list[float | None]] = {}
+    for each in own:
+        errors.setdefault(each.same, []).append(each.error)
+    causes = {same: iter(own_causes(ladder, right=RIGHT)) for same, ladder in errors.items()}
+    for each in own:
+        yield replace(each, cause=next(causes[each.same]))
 
 
 def _over(up: float | None, down: float | None, step: float) -> float | None:
@@ -338,6 +365,11 @@ _OWN = (
     Column("value", "The derivative that the engine gives."),
     _EXACT,
     Column("relative_error", _ERROR, "error"),
+    Column(
+        "cause",
+        "What is wrong at this step, where it is not right.",
+        lambda own: own.cause and own.cause.word,
+    ),
     Column("verdict", "Right, near, wrong, or of the wrong sign."),
 )
 
