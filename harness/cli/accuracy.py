@@ -65,8 +65,8 @@ def gradients(  # noqa: PLR0917 - a parameter an option
     suite: Annotated[
         str,
         typer.Option(
-            help="quick: some minutes; full: every key, half decades, four timesteps; own: engines' "
-            "own derivatives by the release, beside differences of two steps."
+            help="quick: some minutes; full: every key, half decades, four timesteps; "
+            "own: engines' own derivatives by the release, beside differences of two steps."
         ),
     ] = "quick",
     engine: options.EngineNames = None,

@@ -119,15 +119,16 @@ class ToleranceLadder:
     def saturation(self) -> tuple[float, float] | None:
         """From which value on the error falls no further, and its level there, rad; or None.
 
-        An error that is small by chance at one value, where it crosses zero, is no level: finer
-        errors above round-off are not larger by as much as counts for a fall.
+        A coarsest error that is small by chance, where it crosses zero, begins no level: finer
+        errors above round-off are then larger by as much as counts for a fall.
         """
         known = self.known
         for place, (asked, error) in enumerate(known):
             rest = [each for _, each in known[place:]]
             if asked < _FAR * known[-1][0]:
                 return None
-            if min(rest) * _BUYS >= error and max(rest) <= max(_BUYS * error, self.floor):
+            level = place > 0 or max(rest) <= max(_BUYS * error, self.floor)
+            if level and min(rest) * _BUYS >= error:
                 logs = [math.log(max(each, _EPS)) for each in rest]
                 return asked, math.exp(sum(logs) / len(logs))
         return None
