@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import pytest
@@ -130,11 +131,16 @@ def test_a_derivative_that_grew_exponentially_holds_for_short_steps_alone() -> N
     assert bend == Cause(takeover=Takeover.TRUNCATION, step=0.1)
 
 
+def clipped(edge: float, x: float) -> float:
+    """Return x between minus and plus an edge."""
+    return max(-edge, min(edge, x))
+
+
 def test_what_is_bounded_saturates_however_few_steps_are_too_long() -> None:
     halves = tuple(10.0 ** (-power / 2.0) for power in range(9))
     for count in (1, 2, 3):  # long steps at which the change is level
         edge = halves[count - 1] / 3.0
-        _, long = causes(lambda x, edge=edge: max(-edge, min(edge, x)), 1.0, steps=halves)
+        _, long = causes(partial(clipped, edge), 1.0, steps=halves)
         assert long == Cause(takeover=Takeover.SATURATION, step=halves[count - 1])
 
 

@@ -67,7 +67,7 @@ def test_exact_derivatives_are_those_of_the_exact_motion(
 def test_what_samples_of_the_exact_motion_say_is_right_at_the_steps_of_an_engine(
     exact: dict[str, dict[str, float]],
 ) -> None:
-    def sampled(key: str, change: float) -> dict[str, float]:
+    def sampled(key: str, change: float) -> dict[str, float | None]:
         scene = scene_at(GENTLE, {key: value_of(GENTLE, key) + change})
         run = exact_motion(scene)
         times = np.append(np.arange(0.0, run.ends - 1e-4, 3e-4), run.ends)
@@ -79,7 +79,10 @@ def test_what_samples_of_the_exact_motion_say_is_right_at_the_steps_of_an_engine
             step = relative * unit_of(GENTLE, key)
             up, down = sampled(key, step), sampled(key, -step)
             for quantity in QUANTITIES:
-                difference = (up[quantity] - down[quantity]) / (2.0 * step)
+                more, less = up[quantity], down[quantity]
+                assert more is not None
+                assert less is not None
+                difference = (more - less) / (2.0 * step)
                 assert difference == pytest.approx(exact[quantity][key], rel=1e-3), (key, quantity)
 
 
