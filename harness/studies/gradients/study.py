@@ -2,14 +2,13 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from harness.core.case import Case
 from harness.core.report_model import Artefact, Column, Prose
 from harness.engines.ladder import rung_of, spelled
 from harness.evaluation.evaluation import Record
 from harness.metrics.convergence import observed_order
-from harness.studies.gradients.causes import own_causes
 from harness.studies.gradients.derivatives import CHANGING, EXACT, OWN, PROGRAM, Numbers
 from harness.studies.gradients.design import (
     SETTING_STEPS,
@@ -28,7 +27,14 @@ from harness.studies.gradients.figures import (
     steady,
     step_figures,
 )
-from harness.studies.gradients.findings import RIGHT, Differences, OwnDerivative, percent
+from harness.studies.gradients.findings import (
+    RIGHT,
+    Differences,
+    OwnDerivative,
+    over_step,
+    percent,
+    with_causes,
+)
 from harness.studies.gradients.settings import SETTINGS_COLUMNS, setting_changes
 from harness.studies.shared.run_columns import scene_table
 from harness.studies.study import Job, Results
@@ -98,7 +104,7 @@ class GradientsStudy:
                 for quantity in quantities_of(plan.scene):
                     value, unit = size[quantity], unit_of(plan.scene, key)
                     values = {
-                        step: _over(up[quantity], down[quantity], 2.0 * step * unit)
+                        step: over_step(up[quantity], down[quantity], 2.0 * step * unit)
                         for step, (up, down) in ends.items()
                     }
                     found.append(
@@ -151,7 +157,7 @@ class GradientsStudy:
                                 why=same.why if same.exact is None else unknown,
                             )
                         )
-        return list(_with_causes(found))
+        return list(with_causes(found))
 
     def report(self, done: Results) -> tuple[Artefact, ...]:
         """Return words, figures and tables."""
@@ -179,23 +185,6 @@ class GradientsStudy:
             scene_table(scene, "timesteps", "As the timestep is shortened", _LADDERS, ladders),
             scene_table(scene, "differences", "Each difference", _EACH, _each(differences)),
         )
-
-
-def _with_causes(own: Sequence[OwnDerivative]) -> Iterator[OwnDerivative]:
-    """Yield derivatives of engines with what is wrong, which their other steps tell."""
-    errors: dict[tuple[object, ...], list[float | None]] = {}
-    for each in own:
-        errors.setdefault(each.same, []).append(each.error)
-    causes = {same: iter(own_causes(ladder, right=RIGHT)) for same, ladder in errors.items()}
-    for each in own:
-        yield replace(each, cause=next(causes[each.same]))
-
-
-def _over(up: float | None, down: float | None, step: float) -> float | None:
-    """Return a difference over its step; None if an end is not known."""
-    if up is None or down is None or not math.isfinite(up - down):
-        return None
-    return (up - down) / step
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
