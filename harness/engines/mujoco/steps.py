@@ -53,19 +53,19 @@ def chunk_of_states(
     Where not every step was read, `spans` says for how many each stands.
     """
     count, sound = _sound(states), not _unstable(world.data)
-    return chunk_of(world, times, states[:, 1:], sensors, count=count, sound=sound, spans=spans)
+    return chunk_of(world, times, states, sensors, count=count, sound=sound, spans=spans)
 
 
-_BROKEN = (
-    mujoco.mjtWarning.mjWARN_BADQPOS,
-    mujoco.mjtWarning.mjWARN_BADQVEL,
-    mujoco.mjtWarning.mjWARN_BADQACC,
-)
+_BROKEN = [
+    int(mujoco.mjtWarning.mjWARN_BADQPOS),
+    int(mujoco.mjtWarning.mjWARN_BADQVEL),
+    int(mujoco.mjtWarning.mjWARN_BADQACC),
+]
 
 
 def _unstable(data: mujoco.MjData) -> bool:
     """Whether MuJoCo itself has warned of numbers that are not finite, or huge."""
-    return any(data.warning[kind].number for kind in _BROKEN)
+    return bool(data.warning.number[_BROKEN].any())
 
 
 def _sound(states: Floats) -> int:
@@ -123,6 +123,7 @@ class MujocoSteps:
         self._state = state_of(world)
         self._times: list[Floats] = []
         self._states = self._sensors = _NOTHING
+        self._held = 0
         self._clock: list[float] = []
         self._motion, self._sensed = bytearray(), bytearray()
         self._spans: list[int] = []
@@ -158,10 +159,11 @@ class MujocoSteps:
         )
         self._state = states[0, -1]
         self._times.append(stage.times)
+        self._held += count
 
     def _room(self, count: int) -> tuple[Floats, Floats]:
         """Return where to write states, after the one from which they go on, and sensors."""
-        held = sum(map(len, self._times))
+        held = self._held
         if held + count >= self._states.shape[1]:
             states = np.empty((1, max(held + count, _ROOM) + 1, len(self._state)))
             sensors = np.empty((1, states.shape[1], self._world.model.nsensordata))
@@ -207,8 +209,7 @@ class MujocoSteps:
             return None
         times, spans = np.concatenate(self._times), None
         if self._sampling is None:
-            held = len(times)
-            states, sensors = self._states[0, :held], self._sensors[0, :held]
+            states, sensors = self._states[0, : self._held], self._sensors[0, : self._held]
         else:
             states = np.empty((len(times), len(self._state)))
             states[:, 0] = self._clock
@@ -216,7 +217,7 @@ class MujocoSteps:
             sensors = np.frombuffer(self._sensed).reshape(len(times), -1)
             spans = np.array(self._spans)
         # they belong to the chunk now
-        self._times, self._states, self._sensors = [], _NOTHING, _NOTHING
+        self._times, self._held, self._states, self._sensors = [], 0, _NOTHING, _NOTHING
         self._clock, self._motion, self._sensed = [], bytearray(), bytearray()
         self._spans = []
         return chunk_of_states(self._world, times, states, sensors, spans)
