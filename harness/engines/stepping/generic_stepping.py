@@ -36,7 +36,7 @@ class StageReader(Protocol):
 def step_by_stages(reader: StageReader, schedule: Schedule, size: int) -> Iterator[Chunk]:
     """Step by a schedule from where a world is, yielding after `size` steps or more.
 
-    While a schedule says that the can falls, stage follows stage without a look between.
+    While a schedule says that the run cannot be over yet, stage follows stage without a look.
     """
     # the schedule is asked after a chunk was seen: what is seen may change what comes
     sound = True

@@ -208,10 +208,11 @@ def _path(q: Floats) -> Floats:
     np.sqrt(total[2], out=total[2])
     np.abs(part, out=part)
     first, second, rocked = _over(part, total)
-    first += second
-    first *= 2.0
-    first += rocked
-    return first
+    path: Floats = first
+    path += second
+    path *= 2.0
+    path += rocked
+    return path
 
 
 def _over(part: Floats, total: Floats) -> Floats:
