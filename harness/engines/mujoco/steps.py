@@ -126,7 +126,7 @@ class MujocoSteps:
         self._held = 0
         self._clock: list[float] = []
         self._motion, self._sensed = bytearray(), bytearray()
-        self._spans: list[int] = []
+        self._spans: list[Integers] = []
 
     def state(self) -> tuple[list[float], list[float]]:
         """Return quaternion (scalar first) and angular velocity; fixed steps do not ask for it."""
@@ -199,8 +199,8 @@ class MujocoSteps:
         option.disableflags = unseen
         places, spans = take_stage(stage, sampling, read_and_step, partial(step, model, data))
         option.disableflags = seen
-        self._spans += spans
-        if places:
+        if len(places) > 0:
+            self._spans.append(spans)
             self._times.append(stage.times[places])
 
     def chunk(self) -> Chunk | None:
@@ -215,7 +215,7 @@ class MujocoSteps:
             states[:, 0] = self._clock
             states[:, 1:] = np.frombuffer(self._motion).reshape(len(times), -1)
             sensors = np.frombuffer(self._sensed).reshape(len(times), -1)
-            spans = np.array(self._spans)
+            spans = np.concatenate(self._spans)
         # they belong to the chunk now
         self._times, self._held, self._states, self._sensors = [], 0, _NOTHING, _NOTHING
         self._clock, self._motion, self._sensed = [], bytearray(), bytearray()

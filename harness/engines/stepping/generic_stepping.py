@@ -7,11 +7,12 @@ motion no oftener than the recorder needs.
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from itertools import repeat
 from typing import Protocol
 
 import numpy as np
 
-from harness.core.trajectory import Floats
+from harness.core.trajectory import Floats, Integers
 from harness.engines.stepping.recording import Chunk, SamplingInterval, trajectory_of
 from harness.engines.stepping.schedule import Schedule, Stage
 from harness.engines.world import Contact, World
@@ -118,7 +119,7 @@ class _WorldReader:
         self._world.set_timestep(stage.timestep)
         places, spans = take_stage(stage, self._sampling, self._read_and_step, self._skip)
         self._times += stage.times[places].tolist()
-        self._spans += spans
+        self._spans += spans.tolist()
         return self._sound
 
     def _read_and_step(self) -> tuple[Sequence[float], Sequence[float]]:
@@ -178,7 +179,7 @@ def take_stage(
     sampling: SamplingInterval | None,
     read_and_step: Callable[[], tuple[Sequence[float], Sequence[float]]],
     skip: Callable[[int], object],
-) -> tuple[list[int], list[int]]:
+) -> tuple[Integers, Integers]:
     """Take the steps of a stage, and read as many as the recorder needs.
 
     Parameters
@@ -194,7 +195,7 @@ def take_stage(
 
     Returns
     -------
-    places, spans : list of int
+    places, spans : ndarray of int, shape (n,)
         Which of the steps were read, and for how many steps each stands, its own the first.
     """
     count, last, timestep = len(stage.times), stage.ahead - 1, stage.timestep
@@ -202,13 +203,14 @@ def take_stage(
     if place > 0:
         skip(min(place, count))
     if sampling is None or not sampling.spare(timestep):
-        places = list(range(place, count))
-        for _ in places:
+        every = np.arange(min(place, count), count)
+        for _ in repeat(None, len(every)):
             read_and_step()
         if sampling is not None:
             sampling.left = max(place - count, 0)
-        return places, [1] * len(places)
-    places, spans = [], []
+        return every, np.ones(len(every), dtype=np.int64)
+    places: list[int] = []
+    spans: list[int] = []
     while place < count:
         quaternion, spin = read_and_step()
         after = place + 1
@@ -221,4 +223,4 @@ def take_stage(
             skip(min(after, count) - place - 1)
         place = after
     sampling.left = place - count
-    return places, spans
+    return np.array(places, dtype=np.int64), np.array(spans, dtype=np.int64)
