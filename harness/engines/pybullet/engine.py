@@ -20,6 +20,7 @@ from harness.engines import (
     Case,
     Chunk,
     Floats,
+    Integers,
     PhysicsEngine,
     SamplingInterval,
     Schedule,
@@ -43,8 +44,8 @@ from harness.engines.pybullet.world import (
 )
 
 _ROWS_PER_CONTACT = 3  # the normal and two directions of friction
-_STATE = Struct("13d")
-"""Position, quaternion (scalar last), velocity, angular velocity."""
+_READING = Struct("14d")
+"""Position, quaternion (scalar last), velocity, angular velocity; number of contact points."""
 
 _SCALAR_FIRST = [6, 3, 4, 5]
 
@@ -63,8 +64,7 @@ class PybulletSteps:
         self._world, self._sampling = world, sampling
         self._times: list[Floats] = []
         self._spans: list[Integers] = []
-        self._states, self._points = bytearray(), bytearray()
-        self._counts: list[int] = []
+        self._readings, self._points = bytearray(), bytearray()
 
     def state(self) -> tuple[Numbers, Numbers]:
         """Return quaternion (scalar first) and angular velocity of the can."""
@@ -78,21 +78,19 @@ class PybulletSteps:
         client, can, ground, centred = world.client, world.can, world.ground, world.reading
         step, pose_of = world.stepper(stage.times), pybullet.getBasePositionAndOrientation
         velocity_of, contacts_of = pybullet.getBaseVelocity, pybullet.getContactPoints
-        states, points, count = self._states, self._points, self._counts.append
-        state_of = _STATE.pack
+        readings, points, reading = self._readings, self._points, _READING.pack
 
         def read_and_step() -> tuple[Numbers, Numbers]:
-            nonlocal states, points
+            nonlocal readings, points
             position, quaternion = pose_of(can, client)
             velocity, spin = velocity_of(can, client)
             if centred is not None:
                 position, quaternion, velocity, spin = centred(position, quaternion, velocity, spin)
             step(client)
-            states += state_of(*position, *quaternion, *velocity, *spin)
             # by place: PyBullet takes a quarter longer where the client is named
             contacts = contacts_of(can, ground, ANY_LINK, ANY_LINK, client)
             points += packed(contacts)
-            count(len(contacts))
+            readings += reading(*position, *quaternion, *velocity, *spin, len(contacts))
             return quaternion, spin
 
         def skip(steps: int) -> None:
@@ -110,11 +108,11 @@ class PybulletSteps:
         if not self._spans:
             return None
         times, spans = np.concatenate(self._times), np.concatenate(self._spans)
-        rows = np.frombuffer(self._states).reshape(-1, _STATE.size // 8)
+        rows = np.frombuffer(self._readings).reshape(-1, _READING.size // 8)
         points = np.frombuffer(self._points).reshape(-1, POINT.size // 8)
-        contacts, parts = np.array(self._counts), self._world.parts
-        self._times, self._spans, self._counts = [], [], []
-        self._states, self._points = bytearray(), bytearray()
+        contacts, parts = rows[:, 13].astype(np.int64), self._world.parts
+        self._times, self._spans = [], []
+        self._readings, self._points = bytearray(), bytearray()
         # numbers that break stay broken: the last state speaks for all before it
         count = len(rows)
         if not np.isfinite(rows[-1]).all():
@@ -125,7 +123,8 @@ class PybulletSteps:
         def trajectory(time: Floats, rows: Floats, contact: Floats) -> Trajectory:
             rows[:, 3:7] = rows[:, _SCALAR_FIRST]
             force = contact[:, 3:6] * parts
-            return trajectory_of(time, rows, contact[:, :3], force, contact[:, 6], contact[:, 7])
+            motion, count = rows[:, :13], contact[:, 7]
+            return trajectory_of(time, motion, contact[:, :3], force, contact[:, 6], count)
 
         return Chunk(
             times=times,

@@ -15,7 +15,6 @@ centre:
 with c the centre of mass from the can's centre in the can's axes.
 """
 
-import math
 import tempfile
 import weakref
 from collections.abc import Callable, Mapping, Sequence
@@ -375,28 +374,23 @@ def resultants(points: Floats, counts: Integers) -> Floats:
         that bear a force. Cached points without force stay out of the locus: they may be half a can
         away.
     """
-    sums, ends = np.zeros((8, len(counts))), np.cumsum(counts)
-    place, force, total, bearing = sums[:3], sums[3:6], sums[6], sums[7]
-    depth = np.full(len(counts), -np.inf)
-    columns = points.T.copy()
+    sums, first = np.zeros((8, len(counts))), np.cumsum(counts) - counts
+    place, force, depth, bearing = sums[:3], sums[3:6], sums[6], sums[7]
+    total, depth[:] = np.zeros(len(counts)), -np.inf
     # point by point, as one would add them: the numbers do not depend on how many states there are
     for number in range(int(counts.max(initial=0))):
-        states = np.flatnonzero(counts > number)
-        own, other, normal, (gap, n, f1), along, f2, across = np.split(
-            columns[:, (ends - counts)[states] + number], _PARTS
-        )
+        has = counts > number
+        states = slice(None) if has.all() else np.flatnonzero(has)
+        rows = points.take(first[states] + number, axis=0).T.copy()
+        own, other, normal, along, across = (rows[at : at + 3] for at in (0, 3, 6, 12, 16))
+        gap, n, f1, f2 = rows[9], rows[10], rows[11], rows[15]
         depth[states] = np.maximum(depth[states], -gap)
-        bears = n > 0.0
-        n, f1, f2 = (np.where(bears, each, 0.0) for each in (n, f1, f2))
+        idle = n <= 0.0
+        rows[10:12, idle] = f2[idle] = 0.0
         force[:, states] += n * normal + f1 * along + f2 * across
         place[:, states] += n * (own + other) / 2.0
         total[states] += n
-        bearing[states] += bears
-    rows = np.empty((len(counts), 8))
-    idle = total == 0.0
-    rows[:, :3] = (place / np.where(idle, np.nan, total)).T
-    rows[:, 3:6], rows[:, 6], rows[:, 7] = force.T, np.where(counts > 0, depth, np.nan), bearing
-    return rows
-
-
-_PARTS = (3, 6, 9, 12, 15, 16)
+        bearing[states] += ~idle
+    place /= np.where(total == 0.0, np.nan, total)
+    depth[counts == 0] = np.nan
+    return sums.T
