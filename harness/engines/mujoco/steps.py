@@ -183,16 +183,17 @@ class MujocoSteps:
         place, rate, spin = data.qpos, data.qvel, np.empty(3)
         quaternion, turning, sensed = place[3:], rate[3:], self._sensed.extend
 
-        def read_and_step() -> tuple[list[float], list[float]]:
-            clock(data.time)
-            motion(place.tobytes())
-            motion(rate.tobytes())
-            mujoco.mju_rotVecQuat(spin, turning, quaternion)
-            w, x, y, z = quaternion.tolist()
-            option.disableflags = seen
-            step(model, data)
-            option.disableflags = unseen
-            sensed(sensors.tobytes())
+        def read_and_step(steps: int) -> tuple[list[float], list[float]]:
+            for _ in range(steps):
+                clock(data.time)
+                motion(place.tobytes())
+                motion(rate.tobytes())
+                mujoco.mju_rotVecQuat(spin, turning, quaternion)
+                w, x, y, z = quaternion.tolist()
+                option.disableflags = seen
+                step(model, data)
+                option.disableflags = unseen
+                sensed(sensors.tobytes())
             return [x, y, z, w], spin.tolist()
 
         unseen = seen | SENSORS_OFF

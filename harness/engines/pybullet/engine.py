@@ -78,19 +78,20 @@ class PybulletSteps:
         client, can, ground, centred = world.client, world.can, world.ground, world.reading
         step, pose_of = world.stepper(stage.times), pybullet.getBasePositionAndOrientation
         velocity_of, contacts_of = pybullet.getBaseVelocity, pybullet.getContactPoints
-        readings, points, reading = self._readings, self._points, _READING.pack
+        readings, points, reading = self._readings.extend, self._points.extend, _READING.pack
 
-        def read_and_step() -> tuple[Numbers, Numbers]:
-            nonlocal readings, points
-            position, quaternion = pose_of(can, client)
-            velocity, spin = velocity_of(can, client)
-            if centred is not None:
-                position, quaternion, velocity, spin = centred(position, quaternion, velocity, spin)
-            step(client)
-            # by place: PyBullet takes a quarter longer where the client is named
-            contacts = contacts_of(can, ground, ANY_LINK, ANY_LINK, client)
-            points += packed(contacts)
-            readings += reading(*position, *quaternion, *velocity, *spin, len(contacts))
+        def read_and_step(steps: int) -> tuple[Numbers, Numbers]:
+            for _ in repeat(None, steps):
+                position, quaternion = pose_of(can, client)
+                velocity, spin = velocity_of(can, client)
+                if centred is not None:
+                    state = centred(position, quaternion, velocity, spin)
+                    position, quaternion, velocity, spin = state
+                step(client)
+                # by place: PyBullet takes a quarter longer where the client is named
+                contacts = contacts_of(can, ground, ANY_LINK, ANY_LINK, client)
+                points(packed(contacts))
+                readings(reading(*position, *quaternion, *velocity, *spin, len(contacts)))
             return quaternion, spin
 
         def skip(steps: int) -> None:

@@ -381,12 +381,14 @@ def resultants(points: Floats, counts: Integers) -> Floats:
     for number in range(int(counts.max(initial=0))):
         has = counts > number
         states = slice(None) if has.all() else np.flatnonzero(has)
-        rows = points.take(first[states] + number, axis=0).T.copy()
+        single = len(points) == len(counts) and has.all()
+        rows = (points if single else points.take(first[states] + number, axis=0)).T.copy()
         own, other, normal, along, across = (rows[at : at + 3] for at in (0, 3, 6, 12, 16))
         gap, n, f1, f2 = rows[9], rows[10], rows[11], rows[15]
         depth[states] = np.maximum(depth[states], -gap)
         idle = n <= 0.0
-        rows[10:12, idle] = f2[idle] = 0.0
+        if idle.any():
+            rows[10:12, idle] = f2[idle] = 0.0
         force[:, states] += n * normal + f1 * along + f2 * across
         place[:, states] += n * (own + other) / 2.0
         total[states] += n

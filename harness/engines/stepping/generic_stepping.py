@@ -7,7 +7,6 @@ motion no oftener than the recorder needs.
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from itertools import repeat
 from typing import Protocol
 
 import numpy as np
@@ -122,7 +121,13 @@ class _WorldReader:
         self._spans += spans.tolist()
         return self._sound
 
-    def _read_and_step(self) -> tuple[Sequence[float], Sequence[float]]:
+    def _read_and_step(self, steps: int) -> tuple[Sequence[float], Sequence[float]]:
+        """Read so many steps, one or more; return quaternion (scalar last) and spin of the last."""
+        for _ in range(steps):
+            state = self._read_one()
+        return state
+
+    def _read_one(self) -> tuple[Sequence[float], Sequence[float]]:
         """Keep the state, step, keep the contact; return quaternion (scalar last) and spin."""
         world = self._world
         try:
@@ -177,7 +182,7 @@ class _WorldReader:
 def take_stage(
     stage: Stage,
     sampling: SamplingInterval | None,
-    read_and_step: Callable[[], tuple[Sequence[float], Sequence[float]]],
+    read_and_step: Callable[[int], tuple[Sequence[float], Sequence[float]]],
     skip: Callable[[int], object],
 ) -> tuple[Integers, Integers]:
     """Take the steps of a stage, and read as many as the recorder needs.
@@ -188,8 +193,8 @@ def take_stage(
     sampling : SamplingInterval or None
         Of the run; None reads every step.
     read_and_step : callable
-        Keeps the state, takes a step and keeps the contact that it solved. Returns the quaternion,
-        scalar last, and the angular velocity of that state.
+        Keeps the state, takes a step and keeps the contact that it solved, so many times, one or
+        more. Returns the quaternion, scalar last, and the angular velocity of the last state kept.
     skip : callable
         Takes so many steps and keeps nothing.
 
@@ -204,15 +209,15 @@ def take_stage(
         skip(min(place, count))
     if sampling is None or not sampling.spare(timestep):
         every = np.arange(min(place, count), count)
-        for _ in repeat(None, len(every)):
-            read_and_step()
+        if len(every) > 0:
+            read_and_step(len(every))
         if sampling is not None:
             sampling.left = max(place - count, 0)
         return every, np.ones(len(every), dtype=np.int64)
     places: list[int] = []
     spans: list[int] = []
     while place < count:
-        quaternion, spin = read_and_step()
+        quaternion, spin = read_and_step(1)
         after = place + 1
         if place < last:
             # the last step of all is read, whatever the motion
