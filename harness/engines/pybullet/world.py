@@ -15,11 +15,11 @@ centre:
 with c the centre of mass from the can's centre in the can's axes.
 """
 
-import math
 import tempfile
 import weakref
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from struct import Struct
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -30,6 +30,7 @@ from harness.engines import (
     Collision,
     Contact,
     Floats,
+    Integers,
     RefusedModelError,
     Value,
     mesh_points,
@@ -137,7 +138,6 @@ def _turned(quaternion: Numbers, vector: Numbers) -> tuple[float, float, float]:
 
 
 ContactPoint: TypeAlias = tuple[Any, ...]
-Resultant: TypeAlias = tuple[float, float, float, float, float, float, float, float]
 
 _RIGID = 1e18  # N/m: what PyBullet gives a body that declares no stiffness
 ANY_LINK = -2
@@ -318,14 +318,11 @@ class PybulletWorld:
 
     def contact(self) -> Contact:
         """Return the contact that the last step solved: that of the state before it."""
-        x, y, z, fx, fy, fz, depth, count = resultant(
-            pybullet.getContactPoints(self.can, self.ground, physicsClientId=self.client)
-        )
+        points = pybullet.getContactPoints(self.can, self.ground, physicsClientId=self.client)
+        numbers = np.frombuffer(packed(points)).reshape(-1, POINT.size // 8)
+        row = resultants(numbers, np.array([len(points)]))[0]
         return Contact(
-            point=np.array((x, y, z)),
-            force=np.array((fx, fy, fz)) * self.parts,
-            penetration=depth,
-            count=int(count),
+            point=row[:3], force=row[3:6] * self.parts, penetration=float(row[6]), count=int(row[7])
         )
 
     def collision(self) -> Collision:
@@ -346,43 +343,56 @@ class PybulletWorld:
         return float(min(point[8] for point in points)) if points else np.inf
 
 
-def resultant(points: Sequence[ContactPoint]) -> Resultant:
-    """Return the resultant of PyBullet's contact points between can and ground.
+POINT = Struct("19d")
+"""A contact point: positions on can and ground, normal towards the can, distance, normal force, and
+twice a friction force with its direction."""
+
+
+def packed(points: Sequence[ContactPoint]) -> bytes:
+    """Return contact points in bytes, as `POINT` orders them: by places 5 to 13 of their tuples."""
+    held, pack = b"", POINT.pack
+    # number by number: arguments out of tuples take half as long again
+    for _, _, _, _, _, (a, b, c), (d, e, f), (g, h, i), j, k, l_, (m, n, o), p, (q, r, s) in points:
+        held += pack(a, b, c, d, e, f, g, h, i, j, k, l_, m, n, o, p, q, r, s)
+    return held
+
+
+def resultants(points: Floats, counts: Integers) -> Floats:
+    """Return the resultants of PyBullet's contact points between can and ground.
 
     Parameters
     ----------
-    points : sequence of tuple
-        As `getContactPoints` returns them: 5 and 6 positions on can and ground, 7 normal towards
-        the can, 8 distance, 9 normal force, 10 to 13 two friction forces, each followed by its
-        direction.
+    points : ndarray, shape (m, 19)
+        Those of one state after the other, as `POINT` orders them.
+    counts : ndarray of int, shape (n,)
+        Points of each state.
 
     Returns
     -------
-    tuple of 8 floats
+    ndarray, shape (n, 8)
         Force-weighted point (3), force on the can (3), depth of the deepest point, number of points
         that bear a force. Cached points without force stay out of the locus: they may be half a can
         away.
     """
-    px = py = pz = fx = fy = fz = total = bearing = 0.0
-    depth = -math.inf
-    for point in points:
-        _, _, _, _, _, own, other, normal, gap, n, f1, first, f2, second = point
-        if -gap > depth:  # noqa: PLR1730 - a call takes longer
-            depth = -gap
-        if n <= 0.0:
-            continue
-        (ax, ay, az), (bx, by, bz), (nx, ny, nz) = own, other, normal
-        (ux, uy, uz), (vx, vy, vz) = first, second
-        fx += n * nx + f1 * ux + f2 * vx
-        fy += n * ny + f1 * uy + f2 * vy
-        fz += n * nz + f1 * uz + f2 * vz
-        px += n * (ax + bx) / 2.0
-        py += n * (ay + by) / 2.0
-        pz += n * (az + bz) / 2.0
-        total += n
-        bearing += 1.0
-    if not points:
-        depth = math.nan
-    if total == 0.0:
-        return (math.nan, math.nan, math.nan, 0.0, 0.0, 0.0, depth, 0.0)
-    return (px / total, py / total, pz / total, fx, fy, fz, depth, bearing)
+    sums, first = np.zeros((8, len(counts))), np.cumsum(counts) - counts
+    place, force, depth, bearing = sums[:3], sums[3:6], sums[6], sums[7]
+    total, depth[:] = np.zeros(len(counts)), -np.inf
+    # point by point, as one would add them: the numbers do not depend on how many states there are
+    for number in range(int(counts.max(initial=0))):
+        has = counts > number
+        states = slice(None) if has.all() else np.flatnonzero(has)
+        single = len(points) == len(counts) and has.all()
+        rows = (points if single else points.take(first[states] + number, axis=0)).T.copy()
+        own, other, normal, along, across = (rows[at : at + 3] for at in (0, 3, 6, 12, 16))
+        gap, n, f1, f2 = rows[9], rows[10], rows[11], rows[15]
+        depth[states] = np.maximum(depth[states], -gap)
+        idle = n <= 0.0
+        if idle.any():
+            rows[10:12, idle] = f2[idle] = 0.0
+        force[:, states] += n * normal + f1 * along + f2 * across
+        place[:, states] += n * (own + other) / 2.0
+        total[states] += n
+        bearing[states] += ~idle
+    place /= np.where(total == 0.0, np.nan, total)
+    depth[counts == 0] = np.nan
+    return sums.T
