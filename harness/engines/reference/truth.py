@@ -48,7 +48,7 @@ MOST = 16
 """Most motions held in memory, each of some megabytes at most."""
 
 SCENES = 256
-"""Most truths held in memory: a full suite holds its runs against a hundred, of a scene up to its
+"""Most truths held in memory: a full suite holds its runs against eighty, of a scene up to its
 own end and up to those of engines that needed longer."""
 
 
