@@ -33,15 +33,9 @@ from harness.engines import (
 )
 from harness.engines.pybullet import DESCRIPTION
 from harness.engines.pybullet import settings as declared
+from harness.engines.pybullet.contact_points import POINT, packed, resultants
 from harness.engines.pybullet.suppress_output import pybullet
-from harness.engines.pybullet.world import (
-    ANY_LINK,
-    POINT,
-    Numbers,
-    PybulletWorld,
-    packed,
-    resultants,
-)
+from harness.engines.pybullet.world import ANY_LINK, Numbers, PybulletWorld
 
 _ROWS_PER_CONTACT = 3  # the normal and two directions of friction
 _READING = Struct("14d")

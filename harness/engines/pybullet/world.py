@@ -19,7 +19,6 @@ import tempfile
 import weakref
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from struct import Struct
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -30,12 +29,12 @@ from harness.engines import (
     Collision,
     Contact,
     Floats,
-    Integers,
     RefusedModelError,
     Value,
     mesh_points,
     obj_text,
 )
+from harness.engines.pybullet.contact_points import POINT, packed, resultants
 from harness.engines.pybullet.settings import (
     DYNAMICS,
     PROCESS_WIDE,
@@ -137,14 +136,25 @@ def _turned(quaternion: Numbers, vector: Numbers) -> tuple[float, float, float]:
     )
 
 
-ContactPoint: TypeAlias = tuple[Any, ...]
-
 _RIGID = 1e18  # N/m: what PyBullet gives a body that declares no stiffness
 ANY_LINK = -2
 """What PyBullet takes for a link that is not named."""
 
-_REACH = 1.0  # m: distance up to which closest points are sought
-_MESH = "can.obj"
+_IDLE: list[int] = []
+"""Clients of worlds that are gone; a new one takes three times as long until it has a plane."""
+
+
+def _connected() -> int:
+    """Return a client without bodies, with every parameter as in a new one."""
+    if not _IDLE:
+        return int(pybullet.connect(pybullet.DIRECT))
+    client = _IDLE.pop()
+    pybullet.resetSimulation(physicsClientId=client)
+    pybullet.setPhysicsEngineParameter(numSubSteps=0, physicsClientId=client)  # kept by a reset
+    return client
+
+
+_REACH, _MESH = 1.0, "can.obj"  # m: distance up to which closest points are sought
 
 
 class PybulletWorld:
@@ -160,8 +170,8 @@ class PybulletWorld:
     """
 
     def __init__(self, case: Case, chosen: Mapping[str, Value], timestep: float) -> None:
-        self.client = pybullet.connect(pybullet.DIRECT)
-        self._finalizer = weakref.finalize(self, pybullet.disconnect, self.client)
+        self.client = _connected()
+        self._finalizer = weakref.finalize(self, _IDLE.append, self.client)
         self._timestep = timestep
         here = {"physicsClientId": self.client}
         self._scene, self._shaken = case.scene, case.scene.effects.shake is not None
@@ -172,8 +182,8 @@ class PybulletWorld:
         algorithm = solver.pop("constraintSolverType")
         pybullet.setPhysicsEngineParameter(**solver, **here)
         if algorithm != SEQUENTIAL_IMPULSE:
-            number = getattr(pybullet, str(algorithm))
             with silence():
+                number = getattr(pybullet, str(algorithm))
                 pybullet.setPhysicsEngineParameter(constraintSolverType=number, **here)
         self.parts = max(int(chosen["numSubSteps"]), 1)  # type: ignore[arg-type]
         flags = sum(getattr(pybullet, name) for name in urdf_flags(chosen))
@@ -215,8 +225,7 @@ class PybulletWorld:
         PyBullet remembers files by their path, so the path must be new for each text.
         """
         path.write_text(text, encoding="utf-8")
-        body: int = pybullet.loadURDF(str(path), physicsClientId=self.client, **how)
-        return body
+        return int(pybullet.loadURDF(str(path), physicsClientId=self.client, **how))
 
     @property
     def mass(self) -> float:
@@ -341,58 +350,3 @@ class PybulletWorld:
             self.can, self.ground, _REACH, physicsClientId=self.client
         )
         return float(min(point[8] for point in points)) if points else np.inf
-
-
-POINT = Struct("19d")
-"""A contact point: positions on can and ground, normal towards the can, distance, normal force, and
-twice a friction force with its direction."""
-
-
-def packed(points: Sequence[ContactPoint]) -> bytes:
-    """Return contact points in bytes, as `POINT` orders them: by places 5 to 13 of their tuples."""
-    held, pack = b"", POINT.pack
-    # number by number: arguments out of tuples take half as long again
-    for _, _, _, _, _, (a, b, c), (d, e, f), (g, h, i), j, k, l_, (m, n, o), p, (q, r, s) in points:
-        held += pack(a, b, c, d, e, f, g, h, i, j, k, l_, m, n, o, p, q, r, s)
-    return held
-
-
-def resultants(points: Floats, counts: Integers) -> Floats:
-    """Return the resultants of PyBullet's contact points between can and ground.
-
-    Parameters
-    ----------
-    points : ndarray, shape (m, 19)
-        Those of one state after the other, as `POINT` orders them.
-    counts : ndarray of int, shape (n,)
-        Points of each state.
-
-    Returns
-    -------
-    ndarray, shape (n, 8)
-        Force-weighted point (3), force on the can (3), depth of the deepest point, number of points
-        that bear a force. Cached points without force stay out of the locus: they may be half a can
-        away.
-    """
-    sums, first = np.zeros((8, len(counts))), np.cumsum(counts) - counts
-    place, force, depth, bearing = sums[:3], sums[3:6], sums[6], sums[7]
-    total, depth[:] = np.zeros(len(counts)), -np.inf
-    # point by point, as one would add them: the numbers do not depend on how many states there are
-    for number in range(int(counts.max(initial=0))):
-        has = counts > number
-        states = slice(None) if has.all() else np.flatnonzero(has)
-        single = len(points) == len(counts) and has.all()
-        rows = (points if single else points.take(first[states] + number, axis=0)).T.copy()
-        own, other, normal, along, across = (rows[at : at + 3] for at in (0, 3, 6, 12, 16))
-        gap, n, f1, f2 = rows[9], rows[10], rows[11], rows[15]
-        depth[states] = np.maximum(depth[states], -gap)
-        idle = n <= 0.0
-        if idle.any():
-            rows[10:12, idle] = f2[idle] = 0.0
-        force[:, states] += n * normal + f1 * along + f2 * across
-        place[:, states] += n * (own + other) / 2.0
-        total[states] += n
-        bearing[states] += ~idle
-    place /= np.where(total == 0.0, np.nan, total)
-    depth[counts == 0] = np.nan
-    return sums.T
