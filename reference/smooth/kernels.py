@@ -45,36 +45,61 @@ def multiplied(rows: Floats, matrix: Floats, out: Floats) -> None:
 
 
 @jit
+def integrated(rows: Floats, out: Floats) -> None:
+    """Write the integrals of `rows`, shape (m, nodes), from -1 to each node to `out`.
+
+    `multiplied` of a constant: the compiler sees that no result is written over the matrix, and
+    terms are added in their order, four at a time, so that a sum is seldom put down on the way.
+    """
+    for i in range(rows.shape[0]):
+        for j in range(_N):
+            out[i, j] = 0.0
+        for k in range(0, _N, 4):
+            a, b, c, d = rows[i, k], rows[i, k + 1], rows[i, k + 2], rows[i, k + 3]
+            for j in range(_N):
+                total = out[i, j] + a * _WEIGHTS[k, j] + b * _WEIGHTS[k + 1, j]
+                out[i, j] = total + c * _WEIGHTS[k + 2, j] + d * _WEIGHTS[k + 3, j]
+
+
+@jit
 def _round(forms: Floats, short: float, start: Floats, half: float, y: Floats, new: Floats) -> None:
-    """Write one round of the fixed point to `new`: the start and the integral of the field at y."""
-    n = y.shape[1]
-    field, integral = np.empty((3, n)), np.empty((3, n))
-    for j in range(n):
-        T, b, s = y[0, j], y[2, j], y[3, j]
+    """Write one round of the fixed point to `new`: the start and the integral of the field at y.
+
+    Loops of algebra alone, over arrays that nothing else can be, are done several nodes at once.
+    """
+    field, integral = np.empty((3, _N)), np.empty((3, _N))
+    a, b, c, d = forms[0, 0], forms[0, 1], forms[0, 2], forms[0, 3]
+    e, f, g, weight = forms[2, 1], forms[2, 2], forms[2, 3], forms[5, 1]
+    for j in range(_N):
+        field[1, j] = sin(short - y[4, j])
+    for j in range(_N):
+        T, s = y[0, j], y[3, j]
         S = 2 * T / (1 + T * T)
         m = T * S
-        q = b / S
-        G = forms[0, 0] * T + forms[0, 1] * S + forms[0, 2] * m + forms[0, 3]
-        Q = forms[2, 1] * S + forms[2, 2] * m + forms[2, 3]
-        field[0, j] = q * (q * G + s * Q) - forms[5, 1] * S * sin(short - y[4, j])
-    multiplied(field[:1], _WEIGHTS, integral[:1])
-    for j in range(n):
+        q = y[2, j] / S
+        G = a * T + b * S + c * m + d
+        Q = e * S + f * m + g
+        field[0, j] = q * (q * G + s * Q) - weight * S * field[1, j]
+    integrated(field[:1], integral[:1])
+    for j in range(_N):
         new[1, j] = start[1] + half * integral[0, j]
-    multiplied(new[1:2], _WEIGHTS, integral[:1])
-    for j in range(n):
+    integrated(new[1:2], integral[:1])
+    for j in range(_N):
         new[0, j] = start[0] * exp(half * integral[0, j])
-    for j in range(n):
-        T, Phi, b, s = new[0, j], new[1, j], y[2, j], y[3, j]
+    a, b, c = forms[1, 0], forms[1, 1], forms[1, 2]
+    e, f, g = forms[3, 1], forms[3, 2], forms[6, 1]
+    for j in range(_N):
+        T, Phi, sweep, s = new[0, j], new[1, j], y[2, j], y[3, j]
         S = 2 * T / (1 + T * T)
         m = T * S
-        W = forms[1, 0] * T + forms[1, 1] * S + forms[1, 2] * m
-        M = forms[3, 1] * S + forms[3, 2] * m
-        field[0, j] = Phi * (forms[6, 1] * S * S * s - b * M)
-        field[1, j] = Phi * (s * M + b / S * W)
+        W = a * T + b * S + c * m
+        M = e * S + f * m
+        field[0, j] = Phi * (g * S * S * s - sweep * M)
+        field[1, j] = Phi * (s * M + sweep / S * W)
         field[2, j] = S * Phi
-    multiplied(field, _WEIGHTS, integral)
+    integrated(field, integral)
     for i in range(3):
-        for j in range(n):
+        for j in range(_N):
             new[i + 2, j] = start[i + 2] + half * integral[i, j]
 
 
@@ -208,7 +233,7 @@ def quadratures(values: Floats, length: float, origin: tuple[float, float, float
         S = 2 * T / (1 + T * T)
         rows[0, j], rows[1, j], rows[2, j] = S, values[2, j] / S, S * values[3, j]
     out[:5] = values
-    multiplied(rows, _WEIGHTS, out[5:])
+    integrated(rows, out[5:])
     for i in range(3):
         for j in range(n):
             out[5 + i, j] = out[5 + i, j] * (length / 2) + origin[i]
