@@ -77,11 +77,15 @@ def friction_ratio(states: States, parameters: Parameters) -> Floats:
 
     Infinite where N is not positive: there the plane would have to pull.
     """
-    if states.force is None:
-        F_x, F_y, N = contact_force(states, parameters)
-        F_x, F_y = _turned(F_x, F_y, states.psi)
-    else:
-        F_x, F_y, N = states.force.T
+    if states.force is not None:
+        return ratio_of(states.force.T)
+    F_x, F_y, N = contact_force(states, parameters)
+    return ratio_of((*_turned(F_x, F_y, states.psi), N))
+
+
+def ratio_of(force: Floats | tuple[Floats, Floats, Floats]) -> Floats:
+    """|F|/N of the components of forces, each of shape (n,); infinite where N is not positive."""
+    F_x, F_y, N = force
     friction, pushes = np.hypot(F_x, F_y), N > 0
     if pushes.all():
         return np.asarray(friction / N)

@@ -5,7 +5,7 @@ node instead of array by array. What differs: the convergence is judged after ev
 costs next to nothing here. Imported where a caller asks for compiled code.
 """
 
-from math import atan, atanh, cosh, exp, inf, isnan, sin, sqrt, tanh
+from math import atan, atanh, cos, cosh, exp, inf, isnan, sin, sqrt, tanh
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,8 @@ _SLOW, _CLOSEST, _ROUNDED = scheme.SLOW, scheme.CLOSEST, scheme.ROUNDED
 _RESOLVED = scheme.RESOLVED
 # Newton on a monotone, nearly linear function, as in `reference.smooth.dense_output`.
 _MOST_ROUNDS = 60
+# Values of which the largest is looked for at once; a divisor of the number of nodes.
+_LANES = 16
 
 
 @jit
@@ -104,14 +106,27 @@ def _round(forms: Floats, short: float, start: Floats, half: float, y: Floats, n
 
 
 @jit
+def _largest(magnitudes: Floats) -> float:
+    """Return the largest of as many magnitudes as there are nodes; nan if one is no number."""
+    lanes = np.zeros(_LANES)
+    for first in range(0, _N, _LANES):
+        for lane in range(_LANES):
+            here = magnitudes[first + lane]
+            # a comparison with what is no number is false
+            lanes[lane] = lanes[lane] if lanes[lane] >= here or isnan(lanes[lane]) else here
+    largest = 0.0
+    for lane in range(_LANES):
+        if lanes[lane] > largest or isnan(lanes[lane]):
+            largest = lanes[lane]
+    return largest
+
+
+@jit
 def _scales(short: float, y: Floats, length: float, scale: Floats) -> None:
     """Write the magnitudes of (T, Phi, b, s, d), as `picard_chebyshev.scales`."""
     least = inf
     for i in range(5):
-        largest = 0.0
-        for j in range(y.shape[1]):
-            largest = max(largest, abs(y[i, j]))
-        scale[i] = largest
+        scale[i] = _largest(np.abs(y[i]))
     for j in range(y.shape[1]):
         least = min(least, y[0, j])
     precession = scale[2] / (abs(least) + _TINY)
@@ -172,7 +187,7 @@ def converge(
     """
     short, swing = constants
     n = _POINTS.size
-    y, old, scale = np.empty((5, n)), np.empty((5, n)), np.empty((5, 1))
+    y, old, scale, apart = np.empty((5, n)), np.empty((5, n)), np.empty((5, 1)), np.empty(n)
     guessed = guess[0].size > 0
     if guessed:
         y[:] = guess[0]
@@ -190,10 +205,11 @@ def converge(
             _scales(short, y, length, scale[:, 0])
         moved = 0.0
         for i in range(5):
-            for j in range(n):
-                apart = abs(y[i, j] - old[i, j]) / scale[i, 0]
-                if apart > moved or isnan(apart):
-                    moved = apart
+            for j in range(_N):
+                apart[j] = abs(y[i, j] - old[i, j])
+            share = _largest(apart) / scale[i, 0]
+            if share > moved or isnan(share):
+                moved = share
         if moved < _STANDS or (moved < _TOLERATED and moved > before / 2):
             break
         if not moved < _HOPELESS:
@@ -241,6 +257,47 @@ def quadratures(values: Floats, length: float, origin: tuple[float, float, float
 
 
 @jit
+def forces(
+    can: tuple[float, float, float, float, float],
+    nutation: tuple[Floats, Floats],
+    precession: tuple[Floats, Floats],
+    spin: Floats,
+) -> Floats:
+    """Return the force of the plane, in the world, as `reaction_force.contact_force`.
+
+    Parameters
+    ----------
+    can : tuple of float
+        a, c, h, k and c_p.
+    nutation, precession : tuple of ndarray, shape (n,)
+        The angle and its rate.
+    spin : ndarray, shape (n,)
+
+    Returns
+    -------
+    ndarray, shape (3, n)
+        In m g.
+    """
+    a, c, h, k, c_p = can
+    a_p = a + h * h
+    out = np.empty((3, spin.size))
+    for j in range(spin.size):
+        Phi, Psi, s = nutation[1][j], precession[1][j], spin[j]
+        S, C, half = sin(nutation[0][j]), cos(nutation[0][j]), sin(nutation[0][j] / 2)
+        m = 2 * (half * half)
+        square = a_p * S * C + (c_p * S + h * (1 + 2 * C)) * m
+        drive = square * (Psi * Psi) - (c_p * S + h * C) * s * Psi + h * S - C
+        pull = drive / (a_p + 1)
+        lateral = s - Psi * (m + h * S)
+        along = -(S + h * C) * pull - (C - h * S) * (Phi * Phi) - Psi * lateral
+        aside = -k * Phi * (a * Psi * S + c * h * (s - Psi * m))
+        cosine, sine = cos(precession[0][j]), sin(precession[0][j])
+        out[0, j], out[1, j] = along * cosine - aside * sine, along * sine + aside * cosine
+        out[2, j] = 1 + (C - h * S) * pull - (S + h * C) * (Phi * Phi)
+    return out
+
+
+@jit
 def value_of(series: Floats, x: float) -> float:
     """Return the value of a Chebyshev series at one place."""
     b1 = b2 = 0.0
@@ -254,9 +311,21 @@ def values_at(values: Floats, x: Floats) -> Floats:
     """Return rows of values at the nodes, shape (m, nodes), at places in [-1, 1], shape (m, n)."""
     series, out = np.empty_like(values), np.empty((values.shape[0], x.size))
     multiplied(values, _TO_COEFFICIENTS, series)
+    if x.size == 1:
+        for i in range(values.shape[0]):
+            out[i, 0] = value_of(series[i], x[0])
+        return out
+    # the same sums, of several places at once
+    b1, b2 = np.empty(x.size), np.empty(x.size)
     for i in range(values.shape[0]):
+        b1[:], b2[:] = 0.0, 0.0
+        for k in range(series.shape[1] - 1, 0, -1):
+            coefficient = series[i, k]
+            for j in range(x.size):
+                b2[j] = 2 * x[j] * b1[j] - b2[j] + coefficient
+            b1, b2 = b2, b1
         for j in range(x.size):
-            out[i, j] = value_of(series[i], x[j])
+            out[i, j] = x[j] * b1[j] - b2[j] + series[i, 0]
     return out
 
 
