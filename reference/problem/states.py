@@ -56,7 +56,6 @@ class States:
 
 def initial_states(problem: Problem) -> States:
     """State at release, shape (1,), without the contact point and the force of the plane."""
-
     p = problem
     angles = p.phi, p.phi_dot, p.psi, p.psi_dot, p.theta, p.theta_dot, p.psi_dot + p.theta_dot
     phi, phi_dot, psi, psi_dot, theta, theta_dot, spin = np.array(angles, dtype=float)[:, None]
