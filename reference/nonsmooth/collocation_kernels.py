@@ -81,14 +81,19 @@ def extrapolated(series: Floats, harmonics: int, cut: float, ratio: float, out: 
     """
     out[:] = 0.0
     origin = 2 * cut - 1
+    before_0, wave_0 = 1.0, origin
+    x, before, wave = np.empty(STAGES), np.ones(STAGES), np.empty(STAGES)
     for j in range(STAGES):
-        x = 2 * (cut + ratio * _POINTS[j]) - 1
-        before, wave, before_0, wave_0 = 1.0, x, 1.0, origin
-        for k in range(1, harmonics + 1):
-            for i in range(ROWS):
-                out[i, j] += series[i, k] * (wave - wave_0)
-            before, wave = wave, 2 * x * wave - before
-            before_0, wave_0 = wave_0, 2 * origin * wave_0 - before_0
+        x[j] = 2 * (cut + ratio * _POINTS[j]) - 1
+        wave[j] = x[j]
+    for k in range(1, harmonics + 1):
+        for i in range(ROWS):
+            factor = series[i, k]
+            for j in range(STAGES):
+                out[i, j] += factor * (wave[j] - wave_0)
+        for j in range(STAGES):
+            before[j], wave[j] = wave[j], 2 * x[j] * wave[j] - before[j]
+        before_0, wave_0 = wave_0, 2 * origin * wave_0 - before_0
 
 
 @jit

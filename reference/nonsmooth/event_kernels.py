@@ -30,6 +30,7 @@ from reference.numerics.compiled import jit
 from reference.problem.states import Floats
 
 _BASIS = np.ascontiguousarray(basis_at(LOOKS).T)
+_PLACES = len(LOOKS)
 _AT_START, _BEYOND, _STILL, _BEGUN = AT_START, BEYOND, STILL, BEGUN
 _FLAT, _PUSHED, _LEAST_MOBILITY, _NEAR_ZERO = FLAT, FLAT_AND_PUSHED, LEAST_MOBILITY, NEAR_ZERO
 
@@ -111,18 +112,21 @@ def _sampled(
     What begins with the piece has no direction there, and so no contact: nan. So are margins that
     need the contact where a few samples show all of them far from zero.
     """
-    n = _BASIS.shape[1]
-    y = np.empty((ROWS, n))
+    n = _PLACES
+    y, row = np.empty((ROWS, n)), np.empty(n)
     # no margin depends on the place of the contact or the works
     y[U2 + 1 :] = 0.0
     for i in range(U2 + 1):
-        for j in range(n):
-            y[i, j] = 0.0
-        for k in range(STAGES + 1):
-            for j in range(n):
-                y[i, j] += series[i, k] * _BASIS[k, j]
-        for j in range(n):
-            y[i, j] += start[i]
+        for j in range(_PLACES):
+            row[j] = series[i, 0] * _BASIS[0, j]
+        # four terms at a time, in their order: a sum is seldom put down on the way
+        for k in range(1, STAGES + 1, 4):
+            a, b, c, d = series[i, k], series[i, k + 1], series[i, k + 2], series[i, k + 3]
+            for j in range(_PLACES):
+                total = row[j] + a * _BASIS[k, j] + b * _BASIS[k + 1, j]
+                row[j] = total + c * _BASIS[k + 2, j] + d * _BASIS[k + 3, j]
+        for j in range(_PLACES):
+            y[i, j] = row[j] + start[i]
     values[:] = nan
     for j in range(n):
         _of_state(E, laws, y, limits, j, values)
