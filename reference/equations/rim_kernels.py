@@ -32,7 +32,7 @@ from reference.equations.state_vector import (
     W2,
     W3,
 )
-from reference.numerics.compiled import inlined, jit
+from reference.numerics.compiled import inlined, inner, jit
 from reference.problem.states import Floats
 
 Constants = tuple[float, ...]
@@ -253,7 +253,7 @@ def slipping_at(E: Floats, y: Floats, j: int, here: Floats) -> None:
     here[SLIPPING], here[SLIPPING + 1], here[MOBILITY] = found[6]
 
 
-@jit
+@inner
 def _write_functions(E: Floats, y: Floats, b: Floats) -> None:
     """Write `_functions` of `WIDTH` columns to b; what an effect needs is asked for once."""
     for j in range(WIDTH):

@@ -26,7 +26,7 @@ from reference.nonsmooth.events import (
 from reference.nonsmooth.level_spin import STILL
 from reference.nonsmooth.radau_iia import AT_START, STAGES, basis_at
 from reference.nonsmooth.slip_onset import BEYOND
-from reference.numerics.compiled import jit
+from reference.numerics.compiled import inner, jit
 from reference.problem.states import Floats
 
 _BASIS = np.ascontiguousarray(basis_at(LOOKS).T)
@@ -64,7 +64,7 @@ _SECTIONS, _GOLDEN = 40, (5**0.5 - 1) / 2
 _IS_LIMIT = np.array([kind in LIMITS for kind in KINDS])
 
 
-@jit
+@inner
 def _of_state(E: Floats, laws: Laws, y: Floats, limits: Limits, j: int, out: Floats) -> None:
     """Write the margin of each event that needs the state alone to column j of `out`."""
     t_end, bilateral = limits
@@ -80,7 +80,7 @@ def _of_state(E: Floats, laws: Laws, y: Floats, limits: Limits, j: int, out: Flo
         out[_HELD, j] = turns * (S * y[W1, j] + C * y[W3, j])
 
 
-@jit
+@inner
 def _of_contact(
     E: Floats, laws: Laws, y: Floats, bilateral: bool, j: int, work: Contact, out: Floats
 ) -> None:
@@ -103,7 +103,7 @@ def _of_contact(
         out[_TURNS, j] = (1 + _BEYOND) * drilling * N - abs(here[MOMENT + 2])
 
 
-@jit
+@inner
 def _sampled(
     E: Floats, laws: Laws, start: Floats, series: Floats, limits: Limits, values: Floats
 ) -> None:
@@ -161,7 +161,7 @@ def _sampled(
             _of_contact(E, laws, y, limits[1], j, work, values)
 
 
-@jit
+@inner
 def _begun(E: Floats, laws: Laws, y: Floats, j: int) -> bool:
     """Return whether what moves has a direction, and so the contact a force."""
     begun: bool = not laws[0] or y[U1, j] != 0 or y[U2, j] != 0
@@ -185,7 +185,7 @@ def state_at(start: Floats, series: Floats, c: float, y: Floats) -> None:
         before, wave = wave, 2 * x * wave - before
 
 
-@jit
+@inner
 def _bracket(
     E: Floats,
     laws: Laws,
@@ -242,7 +242,7 @@ def _bracket(
     return count
 
 
-@jit
+@inner
 def _zero(
     E: Floats,
     laws: Laws,
@@ -286,7 +286,7 @@ def _zero(
     return nearest
 
 
-@jit
+@inner
 def _margin(
     E: Floats,
     laws: Laws,

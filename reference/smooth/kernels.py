@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.numerics.chebyshev import derivative, integrator, points, to_coefficients
-from reference.numerics.compiled import jit
+from reference.numerics.compiled import inner, jit
 from reference.problem.states import Floats
 from reference.smooth import picard_chebyshev as scheme
 
@@ -33,7 +33,7 @@ _MOST_ROUNDS = 60
 _LANES = 16
 
 
-@jit
+@inner
 def multiplied(rows: Floats, matrix: Floats, out: Floats) -> None:
     """Write the product of `rows`, shape (m, n), and a matrix, shape (n, n), to `out`."""
     n = rows.shape[1]
@@ -46,7 +46,7 @@ def multiplied(rows: Floats, matrix: Floats, out: Floats) -> None:
                 out[i, j] += factor * matrix[k, j]
 
 
-@jit
+@inner
 def integrated(rows: Floats, out: Floats) -> None:
     """Write the integrals of `rows`, shape (m, nodes), from -1 to each node to `out`.
 
@@ -63,7 +63,7 @@ def integrated(rows: Floats, out: Floats) -> None:
                 out[i, j] = total + c * _WEIGHTS[k + 2, j] + d * _WEIGHTS[k + 3, j]
 
 
-@jit
+@inner
 def _round(forms: Floats, short: float, start: Floats, half: float, y: Floats, new: Floats) -> None:
     """Write one round of the fixed point to `new`: the start and the integral of the field at y.
 
@@ -105,7 +105,7 @@ def _round(forms: Floats, short: float, start: Floats, half: float, y: Floats, n
             new[i + 2, j] = start[i + 2] + half * integral[i, j]
 
 
-@jit
+@inner
 def _largest(magnitudes: Floats) -> float:
     """Return the largest of as many magnitudes as there are nodes; nan if one is no number."""
     lanes = np.zeros(_LANES)
@@ -121,7 +121,7 @@ def _largest(magnitudes: Floats) -> float:
     return largest
 
 
-@jit
+@inner
 def _scales(short: float, y: Floats, length: float, scale: Floats) -> None:
     """Write the magnitudes of (T, Phi, b, s, d), as `picard_chebyshev.scales`."""
     least = inf
@@ -137,7 +137,7 @@ def _scales(short: float, y: Floats, length: float, scale: Floats) -> None:
     scale[4] = max(abs(short), scale[4]) + _TINY
 
 
-@jit
+@inner
 def bare_bounce(swing: float, start: Floats, length: float, y: Floats) -> None:
     """Write the motion without gravity to y, the first guess of a step."""
     T, Phi = start[0], start[1]
@@ -224,7 +224,7 @@ def converge(
     return (0.6 if harmonics >= n - 2 else 0.0), count, harmonics, y, scale
 
 
-@jit
+@inner
 def _stands_out(coefficients: Floats, scale: Floats) -> bool:
     """Return whether a harmonic stands out of the round-off of any quantity."""
     return bool((np.abs(coefficients) > _RESOLVED * scale).any())
@@ -297,7 +297,7 @@ def forces(
     return out
 
 
-@jit
+@inner
 def value_of(series: Floats, x: float) -> float:
     """Return the value of a Chebyshev series at one place."""
     b1 = b2 = 0.0
