@@ -322,7 +322,7 @@ def located(E: Floats, laws: Laws, start: Floats, series: Floats, limits: Limits
             place = _zero(E, laws, start, series, limits, kind, left, right)
             at = total
             while at > 0 and found[at - 1, 1] > place:
-                found[at] = found[at - 1]
+                found[at, 0], found[at, 1] = found[at - 1, 0], found[at - 1, 1]
                 at -= 1
             found[at, 0], found[at, 1] = kind, place
             total += 1

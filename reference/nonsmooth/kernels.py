@@ -115,7 +115,10 @@ def march(
     for i in range(ROWS):
         starts[0, i] = start[i]
     rounds, count, reason = 0, 0, GOES_ON
-    harmonics, polynomial, at, scale, shortened, longest = STAGES, last, cut, last_length, 0, inf
+    # a variable: for a constant the extrapolation would be compiled once more
+    all_of_them = last.shape[1] - 1
+    harmonics, polynomial, at, scale = all_of_them, last, cut, last_length
+    shortened, longest = 0, inf
     left, events = inf, np.empty((0, 2))
     if laws[0] and not begins:
         left = _left_of_slip(E, laws, start, (D, here))
@@ -144,7 +147,7 @@ def march(
         tail, present = tail_of(E, starts[count], trial)
         if tail > _RESOLVED:
             # what was too long is the guess of what is shorter
-            polynomial, harmonics, at, scale = trial.copy(), STAGES, 0.0, length
+            polynomial, harmonics, at, scale = trial.copy(), all_of_them, 0.0, length
             length *= max(0.2, 0.8 * (_RESOLVED / tail) ** (1 / STAGES))
             continue
         for i in range(ROWS):
