@@ -73,7 +73,9 @@ def _compiled(function: F, *, inner: bool = False, inlined: bool = False) -> F:
     config: Any = numba.config
     own = config.CACHE_DIR
     config.CACHE_DIR = _folder(own)
-    compile_first = numba.njit(
+    # numba's own stubs leave two of these options out
+    options: Any = numba.njit
+    compile_first = options(
         cache=True,
         nogil=True,
         error_model="numpy",
