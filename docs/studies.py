@@ -6,7 +6,9 @@ import math
 import pandas as pd
 
 from docs.formatting import BASELINE, ENGINES, csv, digits, markdown
+from harness.studies.gradients.derivatives import PROGRAM
 from harness.studies.tolerance.design import SUITES
+from harness.sweep.plan import FEWEST_REDUCED, REDUCED_ROWS
 from models.catalogue import hard_names
 
 _PROFILES = {"default": "as it ships", "matched": "matched", "adaptive": "adaptive"}
@@ -97,6 +99,8 @@ def sweep_reduced() -> dict[str, str]:
     processor = took["processor_seconds"] / told["scenes"]
     return {
         "scenes": f"{told['scenes']:,}",
+        "most": f"{REDUCED_ROWS:,}",
+        "fewest": str(FEWEST_REDUCED),
         "partitions": str(told["partitions"]),
         "kilobytes": f"{told['largest_partition_bytes'] / 1e3:,.0f}",
         "seconds": f"{took['seconds']:,.0f}",
@@ -121,12 +125,14 @@ def gradients() -> dict[str, str]:
         facts[f"{short}_table"] = markdown(("turn by", "exact", *head), rows)
         facts[f"{short}_timestep"] = f"{turn['timestep_s'].min():g}"
         facts[f"{short}_causes"] = _causes(csv(f"{folder}-gradients.csv"))
-        facts[f"{short}_own"] = _own(csv(f"{folder}-own.csv"))
+        own = csv(f"{folder}-own.csv")
+        facts[f"{short}_own"] = _own(own)
+        facts[f"{short}_shortest"] = _shortest(own)
         adaptive = turn[turn["profile"] == "adaptive"]
         right = adaptive["right_from"].notna().groupby(adaptive["key"]).all()
         facts[f"{short}_right"] = f"{right.sum()} of {len(right)}"
     facts["settings"] = _settings(csv("gradients-gentle/gentle-rock-settings.csv"))
-    facts["chaos"] = _chaos(csv("gradients-chaos/chaotic-can-phi.csv"))
+    facts |= _chaos(csv("gradients-chaos/chaotic-can-phi.csv"))
     facts["autodiff"] = _autodiff(csv("gradients-autodiff/gentle-rock-own.csv"))
     return facts
 
@@ -152,17 +158,29 @@ _QUANTITIES = {
 """Quantities that an engine's own derivatives know, by their columns."""
 
 
-def _own(table: pd.DataFrame) -> str:
-    """Return the errors of MuJoCo's own derivatives at its finest timestep, by their step."""
+def _by_step(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the errors of an engine's own differences at its finest timestep, a column a step."""
     finest = table[table["timestep_s"] == table["timestep_s"].min()]
-    judged = finest[finest["quantity"].isin(_QUANTITIES)]
-    wide = judged.assign(step=judged["engine_step"].astype(float)).pivot_table(
+    judged = finest[finest["quantity"].isin(_QUANTITIES) & (finest["engine_step"] != PROGRAM)]
+    wide: pd.DataFrame = judged.assign(step=judged["engine_step"].astype(float)).pivot_table(
         index=["quantity", "key"], columns="step", values="relative_error", sort=False
     )
+    return wide
+
+
+def _shortest(table: pd.DataFrame) -> str:
+    """Return in how many derivatives the shortest of the engine's own steps has the least error."""
+    wide = _by_step(table)
+    return f"{(wide.idxmin(axis=1) == min(wide.columns)).sum()} of {len(wide)}"
+
+
+def _own(table: pd.DataFrame) -> str:
+    """Return the errors of MuJoCo's own derivatives at its finest timestep, by their step."""
+    wide = _by_step(table)
     steps = sorted(wide.columns, reverse=True)
     rows = [
         (_QUANTITIES[quantity], f"`{key}`", *(_share(row[step]) for step in steps))
-        for (quantity, key), row in wide.iterrows()
+        for (quantity, key), row in zip(wide.index, wide.to_dict("records"), strict=True)
     ]
     return markdown(("", "by", *(f"{step:.0e}" for step in steps)), rows, words=2)
 
@@ -249,7 +267,7 @@ def _share(error: float) -> str:
     return "-" if math.isnan(error) else f"{digits(100.0 * error, 2)} %"
 
 
-def _chaos(table: pd.DataFrame) -> str:
+def _chaos(table: pd.DataFrame) -> dict[str, str]:
     """Return the exact growth along the chaotic motion, and what MuJoCo says of it."""
     of = table[table["key"] == "release.phi"]
     fixed, adaptive, truth = (
@@ -279,7 +297,14 @@ def _chaos(table: pd.DataFrame) -> str:
         "MuJoCo, fixed step",
         "MuJoCo, adaptive",
     )
-    return markdown(head, rows, words=0)
+    growth, errors = truth["growth"].abs(), finest["settled_error"]
+    return {
+        "chaos": markdown(head, rows, words=0),
+        "chaos_growth": f"{growth.max() / growth.iloc[0]:,.0f}",
+        "chaos_lost": f"{errors[errors > 1.0].index.min():g}",
+        "chaos_worst": _share(moving["settled_error"].max()),
+        "chaos_until": f"{moving['settled_error'].dropna().index.max():g}",
+    }
 
 
 _DISSIPATION = ("film", "boundary-layer", "contour-viscous", "contour-dry", "rolling-resistance")

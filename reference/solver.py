@@ -259,6 +259,7 @@ def solve(
             known=run.peaks,
             sliding=solved_by == "frictionless",
             symmetric=not problem.effects.declared(),
+            compiled=compiled,
         )
     phases = run.phases
     if solved_by in WITHOUT_SLIP:

@@ -65,7 +65,8 @@ def gradients(  # noqa: PLR0917 - a parameter an option
     suite: Annotated[
         str,
         typer.Option(
-            help="quick: some minutes; full: every key, half decades; own: an engine's own alone."
+            help="quick: some minutes; full: every key, half decades, four timesteps; "
+            "own: engines' own derivatives by the release, beside differences of two steps."
         ),
     ] = "quick",
     engine: options.EngineNames = None,
@@ -77,7 +78,7 @@ def gradients(  # noqa: PLR0917 - a parameter an option
 ) -> None:
     """What an engine says a small change does, against the exact derivative.
 
-    Central differences over nine decades of steps, at several timesteps, and an engine's own
+    Central differences over eight decades of steps, at several timesteps, and an engine's own
     derivatives where it has them.
 
     For example: rockingcan gradients gentle-rock

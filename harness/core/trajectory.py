@@ -104,7 +104,7 @@ class Trajectory:
                 raise ArrayShapeError(name=name, shape=array.shape, expected=expected)
             array.flags.writeable = False
             object.__setattr__(self, name, array)
-        if samples == 0 or not np.all(np.diff(self.time) > 0.0):
+        if samples == 0 or not (self.time[1:] > self.time[:-1]).all():
             raise TimeOrderError
 
     def __len__(self) -> int:

@@ -23,6 +23,9 @@ _ADAPTIVE = 3.0
 _OWN_STEPS = 0.1
 """s of a solver of its own steps."""
 
+_GENERAL = 0.3
+"""s that the general equations, of a scene with effects, take for a second of a motion."""
+
 
 def engine_group(case: Case) -> str:
     """Return the name of the cases whose expected cost is wrong by one factor."""
@@ -43,7 +46,8 @@ def expected_steps(case: Case) -> float:
 def expected_seconds(case: Case) -> float:
     """Return the processor time of a run and its measurement, s."""
     if timestep_of(case) is None:
-        return _OWN_STEPS
+        effects = case.scene.effects.declared()
+        return _OWN_STEPS + (_GENERAL * simulated_seconds(case.scene) if effects else 0.0)
     step = description_of(case.engine).step_s
     return _SET_UP + expected_steps(case) * step * (
         _ADAPTIVE if case.profile == "adaptive" else 1.0

@@ -15,6 +15,16 @@ _AT_REST = 1e-6
 _COARSE = 0.1
 """rad of the rim between two samples from which a cubic in time no longer follows phi."""
 
+_MOST_BETWEEN = 2.0
+"""Largest rate between samples over that of a sample: beyond, too few samples tell where it is."""
+
+_ALIKE = 3.0
+"""Factor within which a smooth peak bends alike from sample to sample."""
+
+_NEAREST = (0, -1, 1, -2)
+"""Where the intervals about a sample begin, in samples from it, those beside it first: rates that
+an engine records a step from its angles change sign up to two intervals off."""
+
 
 def bounces(motion: Motion, can: Can) -> tuple[Bounce, ...]:
     """Return the bounces of a motion that are complete: with a maximum of phi on either side.
@@ -102,9 +112,6 @@ def _bounce(motion: Motion, can: Can, before: int, minimum: int, after: int) -> 
     start, psi_start, theta_start = _at_maximum(motion, before)
     end, psi_end, theta_end = _at_maximum(motion, after)
     time, phi_min = _closest_to_flat(motion, can, minimum)
-    rate = angles.psi_dot[inside]
-    ratio = motion.friction_ratio[inside]
-    known = np.isfinite(ratio)
     return Bounce(
         start=start,
         time=time,
@@ -112,37 +119,127 @@ def _bounce(motion: Motion, can: Can, before: int, minimum: int, after: int) -> 
         phi_min=phi_min,
         angle_of_turn=psi_end - psi_start,
         rotation_turn=theta_end - theta_start,
-        peak_psi_dot=float(rate[np.argmax(np.abs(rate))]),
-        peak_friction_ratio=float(ratio[known].max()) if known.any() else float("nan"),
+        peak_psi_dot=_peak_rate(motion.time, angles.psi_dot, inside),
+        peak_friction_ratio=_peak_ratio(motion.time, motion.friction_ratio, inside),
         resolved=not bool(angles.unresolved[before + 1 : after + 1].any()),
     )
 
 
+def _peak_rate(time: Floats, rates: Floats, inside: slice) -> float:
+    """Return the rate of largest magnitude, between samples too.
+
+    Near the flat state phi^2 psi' is constant and phi^2 a parabola in time, so 1/psi' is one: three
+    samples tell it, also where they are as far apart as the peak is wide.
+    """
+    index = inside.start + int(np.argmax(np.abs(rates[inside])))
+    largest = float(rates[index])
+    beside = rates[max(index - 1, 0) : index + 2]
+    if len(beside) < _PARABOLA or not np.all(beside * largest > 0.0):
+        return largest
+    least = -_vertex(time, -1.0 / np.abs(rates), index)
+    if least * _MOST_BETWEEN * abs(largest) < 1.0:
+        return largest
+    return float(np.copysign(1.0 / least, largest))
+
+
+def _peak_ratio(time: Floats, ratios: Floats, inside: slice) -> float:
+    """Return the largest ratio, between samples too; NaN if none is known.
+
+    Where the rim begins to slip, or a contact is made or lost, the ratio has a kink, and its
+    largest sample stands. Round a smooth peak it bends alike at three samples.
+    """
+    own = ratios[inside]
+    if not np.isfinite(own).any():
+        return float("nan")
+    index = inside.start + int(np.nanargmax(own))
+    largest = float(ratios[index])
+    about = slice(index - 2, index + 3)
+    if about.start < 0 or not np.isfinite(ratios[about]).all() or about.stop > len(ratios):
+        return largest
+    slopes = np.diff(ratios[about]) / np.diff(time[about])
+    bends = np.diff(slopes) / (time[about][2:] - time[about][:-2])
+    smooth = bends.max() < 0.0 and bends.min() >= _ALIKE * bends.max()
+    return _vertex(time, ratios, index) if smooth else largest
+
+
+_PARABOLA = 3
+"""Samples that a parabola goes through."""
+
+
+def _vertex(time: Floats, values: Floats, index: int) -> float:
+    """Return the maximum of the parabola through the largest value and its two neighbours.
+
+    It exceeds the value by at most an eighth of the two falls, if samples are evenly spaced.
+    Without two neighbours that are known and not larger the value itself is returned.
+    """
+    value = float(values[index])
+    if not 0 < index < len(values) - 1:
+        return value
+    before, after = float(time[index] - time[index - 1]), float(time[index + 1] - time[index])
+    fall, rise = value - float(values[index - 1]), float(values[index + 1]) - value
+    if not (fall >= 0.0 >= rise and fall > rise and before > 0.0 < after):
+        return value
+    left, right = fall / before, rise / after  # slopes in the middle of both intervals
+    slope = (left * after + right * before) / (before + after)  # at the sample
+    return value + slope**2 * (before + after) / (4.0 * (left - right))
+
+
 def _at_maximum(motion: Motion, index: int) -> tuple[float, float, float]:
-    """Return time, psi and theta where phi' passes through zero next to a sample."""
+    """Return time, psi and theta where phi' falls through zero near a sample."""
     angles, time = motion.angles, motion.time
-    for left in (index - 1, index):
-        turn = _turning(motion, left)
-        if turn is not None:
-            gap = float(time[left + 1] - time[left])
-            return (
-                float(time[left]) + turn * gap,
-                _cubic(angles.psi, angles.psi_dot, left, turn, gap),
-                _cubic(angles.theta, angles.theta_dot, left, turn, gap),
-            )
-    return float(time[index]), float(angles.psi[index]), float(angles.theta[index])
+    place = _turning(motion, index, rising=False)
+    if place is None:
+        return float(time[index]), float(angles.psi[index]), float(angles.theta[index])
+    left, share = place
+    gap = float(time[left + 1] - time[left])
+    return (
+        float(time[left]) + share * gap,
+        hermite(angles.psi, angles.psi_dot, left, share, gap),
+        hermite(angles.theta, angles.theta_dot, left, share, gap),
+    )
 
 
-def _turning(motion: Motion, left: int) -> float | None:
-    """Return the share of an interval at which phi', taken as linear, changes sign, if ever."""
+def _turning(motion: Motion, index: int, *, rising: bool) -> tuple[int, float] | None:
+    """Return interval and share of it at which phi', taken as linear, changes sign near a sample.
+
+    Parameters
+    ----------
+    motion : Motion
+    index : int
+    rising : bool
+        Whether phi' becomes positive, at a minimum, or negative, at a maximum.
+
+    Returns
+    -------
+    tuple of int and float, or None
+        None if phi' is zero at the sample itself, or changes sign in no interval near it.
+    """
     rate = motion.angles.phi_dot
-    if left < 0 or left + 1 >= len(rate) or not rate[left] * rate[left + 1] < 0.0:
+    if rate[index] == 0.0:
         return None
-    return float(rate[left] / (rate[left] - rate[left + 1]))
+    for offset in _NEAREST:
+        left = index + offset
+        if left < 0 or left + 1 >= len(rate):
+            continue
+        first, last = (rate[left], rate[left + 1]) if rising else (-rate[left], -rate[left + 1])
+        if first < 0.0 < last:
+            return left, float(first / (first - last))
+    return None
 
 
-def _cubic(values: Floats, rates: Floats, left: int, share: float, gap: float) -> float:
-    """Return Hermite's cubic between two samples at a share of the interval."""
+def hermite(values: Floats, rates: Floats, left: int, share: float, gap: float) -> float:
+    """Return Hermite's cubic between two samples at a share of the interval.
+
+    Parameters
+    ----------
+    values, rates : ndarray, shape (n,)
+    left : int
+        The first of the two samples.
+    share : float
+        Of the interval, from the first; beyond 1 the cubic goes on.
+    gap : float
+        Length of the interval, in the unit of time of the rates.
+    """
     s, t = share, 1.0 - share
     return float(
         values[left] * (1.0 + 2.0 * s) * t * t
@@ -159,18 +256,16 @@ def _closest_to_flat(motion: Motion, can: Can, index: int) -> tuple[float, float
     origin. Where the samples lie densely: the zero of phi'.
     """
     angles, time = motion.angles, motion.time
-    best = (float(angles.phi[index]), float(time[index]))
-    for left in (index - 1, index):
-        share = _turning(motion, left)
-        if share is None:
-            continue
-        gap = float(time[left + 1] - time[left])
-        phi = _cubic(angles.phi, angles.phi_dot, left, share, gap)
-        turn = can.slowness * (angles.psi[left + 1] - angles.psi[left])
-        if _COARSE < abs(turn) < np.pi:
-            here, there = complex(angles.phi[left]), angles.phi[left + 1] * np.exp(1j * turn)
-            step = there - here
-            share = float(np.clip(-(here * step.conjugate()).real / abs(step) ** 2, 0.0, 1.0))
-            phi = float(abs(here + share * step))
-        best = (phi, float(time[left]) + share * gap)
-    return best[1], best[0]
+    place = _turning(motion, index, rising=True)
+    if place is None:
+        return float(time[index]), float(angles.phi[index])
+    left, share = place
+    gap = float(time[left + 1] - time[left])
+    phi = hermite(angles.phi, angles.phi_dot, left, share, gap)
+    turn = can.slowness * (angles.psi[left + 1] - angles.psi[left])
+    if _COARSE < abs(turn) < np.pi:
+        here, there = complex(angles.phi[left]), angles.phi[left + 1] * np.exp(1j * turn)
+        step = there - here
+        share = float(np.clip(-(here * step.conjugate()).real / abs(step) ** 2, 0.0, 1.0))
+        phi = float(abs(here + share * step))
+    return float(time[left]) + share * gap, phi

@@ -23,6 +23,8 @@ _PLAIN_FROM, _PLAIN_BELOW = 1e-3, 1e5  # outside, leading zeros and long numbers
 
 def is_number(value: object) -> bool:
     """Return whether a cell holds a number; a truth value is none."""
+    if type(value) is float or type(value) is int:  # nearly all of them: no look at a registry
+        return True
     # numpy's numbers are registered with the standard library's abstract ones; its bool is not
     return isinstance(value, numbers.Real) and not isinstance(value, bool)
 
@@ -32,6 +34,8 @@ def readable(value: object) -> str:
 
     Whole numbers keep all digits; others are rounded to `SIGNIFICANT` ones.
     """
+    if type(value) is str:
+        return value
     if is_missing(value):
         return NOTHING
     if type(value).__name__ in {"bool", "bool_"}:

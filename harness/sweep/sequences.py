@@ -38,7 +38,8 @@ def points(sample: str, seed: int, dimensions: int, rows: range) -> Floats:
     if sample == "sobol":
         return _sobol(seed, dimensions, rows)
     sequence = qmc.Halton(d=dimensions, scramble=True, rng=np.random.default_rng(seed))
-    # a point follows from its number; `fast_forward` draws, and holds, all before it
+    # A point follows from its number, which scipy counts in this public attribute; `fast_forward`
+    # draws, and holds, all before it. The tests hold far points against van der Corput's.
     sequence.num_generated = rows.start
     return np.asarray(sequence.random(len(rows)), dtype=np.float64)
 

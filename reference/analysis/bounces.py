@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.equations.reaction_force import friction_ratio
+from reference.equations.reaction_force import friction_ratio, ratio_of
 from reference.problem.can import Parameters
 from reference.problem.states import Floats, States
 from reference.smooth.dense_output import ElementsPath
@@ -35,6 +35,7 @@ def measure_bounces(
     known: Floats | None = None,
     sliding: bool = False,
     symmetric: bool = True,
+    compiled: bool = False,
 ) -> tuple[Bounce, ...]:
     """Return a `Bounce` for each minimum of phi that has a maximum on either side.
 
@@ -49,13 +50,25 @@ def measure_bounces(
         Whether the plane is without friction, so that there is no force to ask for.
     symmetric : bool
         Whether each extremum of phi mirrors the motion, so that a peak that is no sample is there.
+    compiled : bool
+        Whether to measure the friction of a can that rolls by compiled code.
     """
     tops = np.flatnonzero(track.maximum)
     if tops.size < 2:  # noqa: PLR2004 - a bounce has a maximum on either side
         return ()
 
     def ratio(states: States) -> Floats:
-        return np.zeros_like(states.phi) if sliding else friction_ratio(states, parameters)
+        if sliding:
+            return np.zeros_like(states.phi)
+        if compiled and states.force is None:
+            from reference.smooth import kernels
+
+            p, at = parameters, states
+            can = p.a, p.c, p.h, p.k, p.c_p
+            return ratio_of(
+                kernels.forces(can, (at.phi, at.phi_dot), (at.psi, at.psi_dot), at.spin)
+            )
+        return friction_ratio(states, parameters)
 
     peaks: Sequence[Floats] | Floats
     if known is not None:

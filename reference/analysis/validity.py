@@ -11,7 +11,7 @@ from enum import Enum
 import numpy as np
 
 from reference.analysis.coming_to_rest import FLAT, is_regular
-from reference.equations.reaction_force import contact_force_in_world, friction_ratio
+from reference.equations.reaction_force import contact_force_in_world, ratio_of
 from reference.problem.outcome import Outcome
 from reference.problem.states import Floats, States
 from reference.solution import Solution
@@ -96,10 +96,10 @@ def examine(solution: Solution, times: Floats) -> Guard:
     """Examine a solution at the given times, dense by angle, shape (n,)."""
     states = solution.at(times)
     parameters = solution.problem.parameters
-    normal = contact_force_in_world(states, parameters)[:, 2]
+    force = contact_force_in_world(states, parameters).T
+    friction, normal = np.hypot(*force[:2]), force[2]
     peaks = [bounce.peak_friction_ratio for bounce in solution.bounces]
-    friction = np.hypot(*contact_force_in_world(states, parameters)[:, :2].T)
-    ratio, pressed = friction_ratio(states, parameters), normal
+    ratio, pressed = ratio_of(force), normal
     if states.gap is not None and solution.problem.effects.compliance is None:
         # in the air there is neither force nor friction
         touches = states.gap == 0

@@ -45,11 +45,11 @@ from reference.equations.state_vector import (
     X,
     Y,
 )
-from reference.numerics.compiled import jit
+from reference.numerics.compiled import inner, jit
 from reference.problem.states import Floats
 
 
-@jit
+@inner
 def contact_at(E: Floats, laws: Laws, y: Floats, j: int, D: Floats, here: Floats) -> None:
     """Write the contact of column j of states (13, n) to `here`.
 
@@ -213,7 +213,7 @@ def contact_at(E: Floats, laws: Laws, y: Floats, j: int, D: Floats, here: Floats
     here[MOMENTUM], here[MOMENTUM + 1], here[MOMENTUM + 2] = H1, H2, H3
 
 
-@jit
+@inner
 def _hold(D: Floats, rolling: bool, turning: bool, slip: bool) -> float:
     """Write the wrench that holds what is held to row 9 of D; return the last pivot.
 
@@ -272,7 +272,7 @@ def contact_of(E: Floats, laws: Laws, y: Floats, j: int, D: Floats, here: Floats
         sticking_at(E, y, j, here)
 
 
-@jit
+@inner
 def rates_at(
     E: Floats,
     laws: Laws,
@@ -325,7 +325,8 @@ def contacts(E: Floats, laws: Laws, y: Floats) -> Floats:
     out = np.empty((CONTACT_ROWS, y.shape[1]), y.dtype)
     for j in range(y.shape[1]):
         contact_at(E, laws, y, j, D, here)
-        out[:, j] = here
+        for i in range(CONTACT_ROWS):
+            out[i, j] = here[i]
     return out
 
 

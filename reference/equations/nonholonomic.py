@@ -16,6 +16,8 @@ opposite. The terms are therefore gathered with the spin s = Psi + Theta, which 
 that nothing cancels; the equations are the same.
 """
 
+from math import sin
+
 import numpy as np
 
 from reference.problem.can import Parameters
@@ -24,10 +26,11 @@ from reference.problem.states import Floats, States
 
 # The force on phi is a sum of some ten rounded terms.
 ROUND_OFFS = 16
+EPS = float(np.finfo(float).eps)
 
 
 def nutation_acceleration(
-    phi: Floats, psi_dot: Floats, spin: Floats, parameters: Parameters
+    phi: Floats | float, psi_dot: Floats | float, spin: Floats | float, parameters: Parameters
 ) -> Floats:
     """Phi'' from eq01:Phi, written with the spin.
 
@@ -41,11 +44,21 @@ def nutation_acceleration(
     -------
     ndarray, shape (n,)
     """
+    trigonometry = np.sin(phi), np.cos(phi), 2 * np.sin(phi / 2) ** 2
+    return pulled(trigonometry, psi_dot, spin, parameters)
+
+
+def pulled(
+    trigonometry: tuple[Floats, Floats, Floats],
+    psi_dot: Floats | float,
+    spin: Floats | float,
+    parameters: Parameters,
+) -> Floats:
+    """Phi'' as `nutation_acceleration`, from sin phi, cos phi and 1 - cos phi."""
     p = parameters
-    S, C = np.sin(phi), np.cos(phi)
-    one_minus_C = 2 * np.sin(phi / 2) ** 2
+    S, C, one_minus_C = trigonometry
     square = p.a_p * S * C + (p.c_p * S + p.h * (1 + 2 * C)) * one_minus_C
-    drive = square * psi_dot**2 - (p.c_p * S + p.h * C) * spin * psi_dot + p.h * S - C
+    drive = square * (psi_dot * psi_dot) - (p.c_p * S + p.h * C) * spin * psi_dot + p.h * S - C
     return np.asarray(drive / p.pendulum_inertia, dtype=float)
 
 
@@ -53,12 +66,12 @@ def stands_still(problem: Problem, fall: float) -> bool:
     """Return whether a release of given phi'' rests and nothing but round-off makes phi move."""
     if problem.phi_dot != 0:
         return False
-    p, S = problem.parameters, np.sin(problem.phi)
+    p, S = problem.parameters, sin(problem.phi)
     spin = problem.psi_dot + problem.theta_dot
     force = p.pendulum_inertia * fall
     q = S * problem.psi_dot
     terms = 1 + (q * q * (1 + p.a_p) + abs(q * spin)) / S
-    return bool(abs(force) <= ROUND_OFFS * np.finfo(float).eps * terms)
+    return bool(abs(force) <= ROUND_OFFS * EPS * terms)
 
 
 def accelerations(states: States, parameters: Parameters) -> tuple[Floats, Floats, Floats]:

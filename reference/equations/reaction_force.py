@@ -25,7 +25,7 @@ L cos psi + M sin psi (checked with sympy in tests/reference/test_derivation.py)
 
 import numpy as np
 
-from reference.equations.nonholonomic import angular_velocity, nutation_acceleration
+from reference.equations.nonholonomic import angular_velocity, pulled
 from reference.problem.can import Parameters
 from reference.problem.effects import IDEAL, EffectError, Effects
 from reference.problem.states import Floats, States
@@ -53,7 +53,7 @@ def contact_force(states: States, parameters: Parameters) -> tuple[Floats, Float
     S, C = np.sin(states.phi), np.cos(states.phi)
     one_minus_C = 2 * np.sin(states.phi / 2) ** 2
     Phi, Psi, s = states.phi_dot, states.psi_dot, states.spin
-    phi_ddot = nutation_acceleration(states.phi, Psi, s, p)
+    phi_ddot = pulled((S, C, one_minus_C), Psi, s, p)
     lateral = s - Psi * (one_minus_C + p.h * S)
     F_x = -(S + p.h * C) * phi_ddot - (C - p.h * S) * Phi**2 - Psi * lateral
     F_y = -p.k * Phi * (p.a * Psi * S + p.c * p.h * (s - Psi * one_minus_C))
@@ -78,10 +78,21 @@ def friction_ratio(states: States, parameters: Parameters) -> Floats:
     Infinite where N is not positive: there the plane would have to pull. Zero where the plane
     exerts no force at all: there the can flies.
     """
-    F_x, F_y, N = contact_force_in_world(states, parameters).T
-    friction = np.hypot(F_x, F_y)
-    ratio: Floats = np.divide(friction, N, out=np.full_like(friction, np.inf), where=N > 0)
-    return np.where((friction == 0) & (N == 0), 0.0, ratio)
+    if states.force is not None:
+        return ratio_of(states.force.T)
+    F_x, F_y, N = contact_force(states, parameters)
+    return ratio_of((*_turned(F_x, F_y, states.psi), N))
+
+
+def ratio_of(force: Floats | tuple[Floats, Floats, Floats]) -> Floats:
+    """|F|/N of the components of forces, each of shape (n,), as `friction_ratio` has it."""
+    F_x, F_y, N = force
+    friction, pushes = np.hypot(F_x, F_y), N > 0
+    if pushes.all():
+        return np.asarray(friction / N)
+    ratio: Floats = np.divide(friction, N, out=np.full_like(friction, np.inf), where=pushes)
+    ratio[(friction == 0) & (N == 0)] = 0.0
+    return ratio
 
 
 def contact_from_middle(states: States, parameters: Parameters, effects: Effects = IDEAL) -> Floats:

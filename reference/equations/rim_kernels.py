@@ -32,7 +32,7 @@ from reference.equations.state_vector import (
     W2,
     W3,
 )
-from reference.numerics.compiled import inlined, jit
+from reference.numerics.compiled import inlined, inner, jit
 from reference.problem.states import Floats
 
 Constants = tuple[float, ...]
@@ -253,6 +253,26 @@ def slipping_at(E: Floats, y: Floats, j: int, here: Floats) -> None:
     here[SLIPPING], here[SLIPPING + 1], here[MOBILITY] = found[6]
 
 
+@inner
+def _write_functions(E: Floats, y: Floats, b: Floats) -> None:
+    """Write `_functions` of `WIDTH` columns to b; what an effect needs is asked for once."""
+    for j in range(WIDTH):
+        b[_TANGENT * WIDTH + j] = np.exp(y[LEAN, j])
+        b[_COS_PSI * WIDTH + j] = b[_COS_THETA * WIDTH + j] = 1.0
+        b[_SIN_PSI * WIDTH + j] = b[_SIN_THETA * WIDTH + j] = b[_WAVE * WIDTH + j] = 0.0
+    if E[3] > 0:
+        for j in range(WIDTH):
+            theta = y[TOTAL, j] - y[PSI, j]
+            b[_COS_THETA * WIDTH + j], b[_SIN_THETA * WIDTH + j] = np.cos(theta), np.sin(theta)
+    if E[10] != 0 or E[11] != 0 or E[12] != 0:
+        for j in range(WIDTH):
+            b[_WAVE * WIDTH + j] = np.sin(E[13] * y[TIME, j] + E[14])
+    if E[7] != 0 or E[8] != 0 or E[10] != 0 or E[11] != 0:
+        for j in range(WIDTH):
+            psi = y[PSI, j]
+            b[_COS_PSI * WIDTH + j], b[_SIN_PSI * WIDTH + j] = np.cos(psi), np.sin(psi)
+
+
 @jit
 def rim_rates(E: Floats, slips: bool, y: Floats, b: Floats, f: Floats) -> None:
     """Write the rates of turning and slip of `WIDTH` columns to those rows of f.
@@ -270,10 +290,7 @@ def rim_rates(E: Floats, slips: bool, y: Floats, b: Floats, f: Floats) -> None:
     for i in range(_INPUTS):
         for j in range(WIDTH):
             b[i * WIDTH + j] = y[i, j]
-    for j in range(WIDTH):
-        trig = _functions(E, y, j)
-        for i in range(6):
-            b[(_TANGENT + i) * WIDTH + j] = trig[i]
+    _write_functions(E, y, b)
     if slips:
         for j in range(WIDTH):
             w1, w2, w3 = b[W1 * WIDTH + j], b[W2 * WIDTH + j], b[W3 * WIDTH + j]

@@ -43,7 +43,7 @@ from reference.nonsmooth.radau_iia import (
     points,
     to_coefficients,
 )
-from reference.numerics.compiled import jit
+from reference.numerics.compiled import inner
 from reference.problem.states import Floats
 
 # Rounds after which a fixed point is given up, and after which each must gain a factor of two.
@@ -64,7 +64,7 @@ _STANDS, _ALMOST, _HOPELESS, _LEAST = STANDS, ALMOST, HOPELESS, LEAST
 _FLOOR, _LEAST_SLIP, _QUIET, _RESOLVED = FLOOR, LEAST_SLIP, QUIET, RESOLVED
 
 
-@jit
+@inner
 def extrapolated(series: Floats, harmonics: int, cut: float, ratio: float, out: Floats) -> None:
     """Write the change in a step by the polynomial of another, shape (13, STAGES), to `out`.
 
@@ -81,17 +81,22 @@ def extrapolated(series: Floats, harmonics: int, cut: float, ratio: float, out: 
     """
     out[:] = 0.0
     origin = 2 * cut - 1
+    before_0, wave_0 = 1.0, origin
+    x, before, wave = np.empty(STAGES), np.ones(STAGES), np.empty(STAGES)
     for j in range(STAGES):
-        x = 2 * (cut + ratio * _POINTS[j]) - 1
-        before, wave, before_0, wave_0 = 1.0, x, 1.0, origin
-        for k in range(1, harmonics + 1):
-            for i in range(ROWS):
-                out[i, j] += series[i, k] * (wave - wave_0)
-            before, wave = wave, 2 * x * wave - before
-            before_0, wave_0 = wave_0, 2 * origin * wave_0 - before_0
+        x[j] = 2 * (cut + ratio * _POINTS[j]) - 1
+        wave[j] = x[j]
+    for k in range(1, harmonics + 1):
+        for i in range(ROWS):
+            factor = series[i, k]
+            for j in range(STAGES):
+                out[i, j] += factor * (wave[j] - wave_0)
+        for j in range(STAGES):
+            before[j], wave[j] = wave[j], 2 * x[j] * wave[j] - before[j]
+        before_0, wave_0 = wave_0, 2 * origin * wave_0 - before_0
 
 
-@jit
+@inner
 def evaluate(
     E: Floats,
     laws: Laws,
@@ -107,7 +112,7 @@ def evaluate(
         rates_at(E, laws, y, j, here, f, along)
 
 
-@jit
+@inner
 def _integrate(f: Floats, i: int, length: float, out: Floats) -> None:
     """Write the integral of row i of rates to that of `out`."""
     for j in range(STAGES):
@@ -118,7 +123,7 @@ def _integrate(f: Floats, i: int, length: float, out: Floats) -> None:
             out[i, j] += factor * _INTEGRATOR[k, j]
 
 
-@jit
+@inner
 def _slip_matrix(E: Floats, y: Floats, length: float, matrix: Floats) -> None:
     """Write I - h A J of the slips at the points, J by imaginary steps, to a matrix (32, 32)."""
     column: Any = np.empty((ROWS, 1), np.complex128)
@@ -140,7 +145,7 @@ def _slip_matrix(E: Floats, y: Floats, length: float, matrix: Floats) -> None:
         matrix[i, i] += 1.0
 
 
-@jit
+@inner
 def _factor(matrix: Floats, order: Index) -> None:
     """Factor a matrix in place, with exchange of rows in an order that is written."""
     n = order.size
@@ -160,7 +165,7 @@ def _factor(matrix: Floats, order: Index) -> None:
                 matrix[below, k] -= factor * matrix[i, k]
 
 
-@jit
+@inner
 def _solve(matrix: Floats, order: Index, b: Floats) -> None:
     """Solve a factored system in place."""
     n = order.size
@@ -176,7 +181,7 @@ def _solve(matrix: Floats, order: Index, b: Floats) -> None:
         b[i] /= matrix[i, i]
 
 
-@jit
+@inner
 def collocate(
     E: Floats,
     laws: Laws,
@@ -216,7 +221,9 @@ def collocate(
     change, series, y, f, D, here = arrays
     work, size, tangent = (D, here), np.empty(ROWS), np.empty(STAGES)
     before, gain, stands, rounds = inf, 1.0, False, 0
-    change[U2 + 1 :] = 0.0
+    for i in range(U2 + 1, ROWS):
+        for j in range(STAGES):
+            change[i, j] = 0.0
     while rounds < _MOST and not stands:
         rounds += 1
         for i in range(ROWS):
@@ -287,7 +294,8 @@ def collocate(
         evaluate(E, laws, y, f, work, along)
         for i in range(U2 + 1, ROWS):
             _integrate(f, i, length, y)
-        change[U2 + 1 :] = y[U2 + 1 :]
+            for j in range(STAGES):
+                change[i, j] = y[i, j]
     series[:] = 0.0
     for i in range(ROWS):
         for j in range(STAGES):
@@ -296,7 +304,7 @@ def collocate(
     return rounds
 
 
-@jit
+@inner
 def _sizes(y: Floats, size: Floats, stiff: bool) -> None:
     """Write the size of each row, as `state_vector.sizes` and `radau_iia.step` measure it.
 
@@ -321,7 +329,7 @@ def _sizes(y: Floats, size: Floats, stiff: bool) -> None:
         size[i] = max(size[i], _LEAST)
 
 
-@jit
+@inner
 def tail_of(E: Floats, start: Floats, series: Floats) -> tuple[float, int]:
     """Return the last two coefficients of a step over the size of its rows, and which stand out."""
     size, largest = np.empty(ROWS), 0.0

@@ -26,10 +26,11 @@ from reference.nonsmooth.events import (
 from reference.nonsmooth.level_spin import STILL
 from reference.nonsmooth.radau_iia import AT_START, STAGES, basis_at
 from reference.nonsmooth.slip_onset import BEYOND
-from reference.numerics.compiled import jit
+from reference.numerics.compiled import inner, jit
 from reference.problem.states import Floats
 
 _BASIS = np.ascontiguousarray(basis_at(LOOKS).T)
+_PLACES = len(LOOKS)
 _AT_START, _BEYOND, _STILL, _BEGUN = AT_START, BEYOND, STILL, BEGUN
 _FLAT, _PUSHED, _LEAST_MOBILITY, _NEAR_ZERO = FLAT, FLAT_AND_PUSHED, LEAST_MOBILITY, NEAR_ZERO
 
@@ -63,7 +64,7 @@ _SECTIONS, _GOLDEN = 40, (5**0.5 - 1) / 2
 _IS_LIMIT = np.array([kind in LIMITS for kind in KINDS])
 
 
-@jit
+@inner
 def _of_state(E: Floats, laws: Laws, y: Floats, limits: Limits, j: int, out: Floats) -> None:
     """Write the margin of each event that needs the state alone to column j of `out`."""
     t_end, bilateral = limits
@@ -79,7 +80,7 @@ def _of_state(E: Floats, laws: Laws, y: Floats, limits: Limits, j: int, out: Flo
         out[_HELD, j] = turns * (S * y[W1, j] + C * y[W3, j])
 
 
-@jit
+@inner
 def _of_contact(
     E: Floats, laws: Laws, y: Floats, bilateral: bool, j: int, work: Contact, out: Floats
 ) -> None:
@@ -102,7 +103,7 @@ def _of_contact(
         out[_TURNS, j] = (1 + _BEYOND) * drilling * N - abs(here[MOMENT + 2])
 
 
-@jit
+@inner
 def _sampled(
     E: Floats, laws: Laws, start: Floats, series: Floats, limits: Limits, values: Floats
 ) -> None:
@@ -111,18 +112,21 @@ def _sampled(
     What begins with the piece has no direction there, and so no contact: nan. So are margins that
     need the contact where a few samples show all of them far from zero.
     """
-    n = _BASIS.shape[1]
-    y = np.empty((ROWS, n))
+    n = _PLACES
+    y, row = np.empty((ROWS, n)), np.empty(n)
     # no margin depends on the place of the contact or the works
     y[U2 + 1 :] = 0.0
     for i in range(U2 + 1):
-        for j in range(n):
-            y[i, j] = 0.0
-        for k in range(STAGES + 1):
-            for j in range(n):
-                y[i, j] += series[i, k] * _BASIS[k, j]
-        for j in range(n):
-            y[i, j] += start[i]
+        for j in range(_PLACES):
+            row[j] = series[i, 0] * _BASIS[0, j]
+        # four terms at a time, in their order: a sum is seldom put down on the way
+        for k in range(1, STAGES + 1, 4):
+            a, b, c, d = series[i, k], series[i, k + 1], series[i, k + 2], series[i, k + 3]
+            for j in range(_PLACES):
+                total = row[j] + a * _BASIS[k, j] + b * _BASIS[k + 1, j]
+                row[j] = total + c * _BASIS[k + 2, j] + d * _BASIS[k + 3, j]
+        for j in range(_PLACES):
+            y[i, j] = row[j] + start[i]
     values[:] = nan
     for j in range(n):
         _of_state(E, laws, y, limits, j, values)
@@ -157,7 +161,7 @@ def _sampled(
             _of_contact(E, laws, y, limits[1], j, work, values)
 
 
-@jit
+@inner
 def _begun(E: Floats, laws: Laws, y: Floats, j: int) -> bool:
     """Return whether what moves has a direction, and so the contact a force."""
     begun: bool = not laws[0] or y[U1, j] != 0 or y[U2, j] != 0
@@ -181,7 +185,7 @@ def state_at(start: Floats, series: Floats, c: float, y: Floats) -> None:
         before, wave = wave, 2 * x * wave - before
 
 
-@jit
+@inner
 def _bracket(
     E: Floats,
     laws: Laws,
@@ -238,7 +242,7 @@ def _bracket(
     return count
 
 
-@jit
+@inner
 def _zero(
     E: Floats,
     laws: Laws,
@@ -282,7 +286,7 @@ def _zero(
     return nearest
 
 
-@jit
+@inner
 def _margin(
     E: Floats,
     laws: Laws,
@@ -318,7 +322,7 @@ def located(E: Floats, laws: Laws, start: Floats, series: Floats, limits: Limits
             place = _zero(E, laws, start, series, limits, kind, left, right)
             at = total
             while at > 0 and found[at - 1, 1] > place:
-                found[at] = found[at - 1]
+                found[at, 0], found[at, 1] = found[at - 1, 0], found[at - 1, 1]
                 at -= 1
             found[at, 0], found[at, 1] = kind, place
             total += 1

@@ -15,7 +15,7 @@ from reference.nonsmooth.events import EventKind
 from reference.nonsmooth.hybrid_integrator import LONGEST, NOISE, RESOLVED, SHARE, SHORTEST
 from reference.nonsmooth.radau_iia import STAGES
 from reference.nonsmooth.stopping import STOPPED
-from reference.numerics.compiled import jit
+from reference.numerics.compiled import inner, jit
 from reference.problem.states import Floats
 
 # Halvings of a step that does not converge before Newton's method for all has to take it, and by
@@ -38,11 +38,12 @@ GOES_ON, LOOK, STUCK, STOPS = range(4)
 """Why a march returns: nothing, an event in its last step, no fixed point, the end of a slip."""
 
 
-@jit
+@inner
 def _left_of_slip(E: Floats, laws: Laws, y: Floats, work: tuple[Floats, Floats]) -> float:
     """Return sigma until a slip stops at its rate, as `stopping.left_of_slip`."""
     column, f = np.empty((ROWS, 1)), np.empty((ROWS, 1))
-    column[:, 0] = y
+    for i in range(ROWS):
+        column[i, 0] = y[i]
     evaluate(E, laws, column, f, work, y.size < 0)
     speed = np.hypot(y[U1], y[U2])
     slowing = -(y[U1] * f[U1, 0] + y[U2] * f[U2, 0]) / speed
@@ -111,8 +112,13 @@ def march(
     change, trial = np.empty((ROWS, STAGES)), np.empty((ROWS, STAGES + 1))
     y, f = np.empty((ROWS, STAGES)), np.empty((ROWS, STAGES))
     arrays = change, trial, y, f, D, here
-    starts[0], rounds, count, reason = start, 0, 0, GOES_ON
-    harmonics, polynomial, at, scale, shortened, longest = STAGES, last, cut, last_length, 0, inf
+    for i in range(ROWS):
+        starts[0, i] = start[i]
+    rounds, count, reason = 0, 0, GOES_ON
+    # a variable: for a constant the extrapolation would be compiled once more
+    all_of_them = last.shape[1] - 1
+    harmonics, polynomial, at, scale = all_of_them, last, cut, last_length
+    shortened, longest = 0, inf
     left, events = inf, np.empty((0, 2))
     if laws[0] and not begins:
         left = _left_of_slip(E, laws, start, (D, here))
@@ -141,10 +147,13 @@ def march(
         tail, present = tail_of(E, starts[count], trial)
         if tail > _RESOLVED:
             # what was too long is the guess of what is shorter
-            polynomial, harmonics, at, scale = trial.copy(), STAGES, 0.0, length
+            polynomial, harmonics, at, scale = trial.copy(), all_of_them, 0.0, length
             length *= max(0.2, 0.8 * (_RESOLVED / tail) ** (1 / STAGES))
             continue
-        series[count], taken[count] = trial, length
+        for i in range(ROWS):
+            for k in range(STAGES + 1):
+                series[count, i, k] = trial[i, k]
+        taken[count] = length
         polynomial, harmonics, at, scale = series[count], present, 1.0, length
         for i in range(ROWS):
             total = 0.0

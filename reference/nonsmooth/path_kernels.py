@@ -25,7 +25,7 @@ from reference.equations.state_vector import (
 )
 from reference.nonsmooth.event_kernels import state_at
 from reference.nonsmooth.radau_iia import AT_START, STAGES
-from reference.numerics.compiled import jit
+from reference.numerics.compiled import inner, jit
 from reference.problem.states import Floats
 
 _AT_START = AT_START
@@ -44,7 +44,7 @@ Work = tuple[Floats, Floats, Floats]
 """A state, and arrays for its contact."""
 
 
-@jit
+@inner
 def _place(series: Floats, cut: float, span: float, target: float) -> float:
     """Return where in a piece a time since its start is, by Newton's method within a bisection."""
     if target >= span or span == 0.0:
@@ -147,7 +147,7 @@ Pieces = tuple[Floats, Floats, Floats, Floats, Index, Index]
 """Starts, series, cuts and spans of pieces, and of each whether it slips and which way it turns."""
 
 
-@jit
+@inner
 def _measured(E: Floats, of: Pieces, piece: int, c: float, work: Work, out: Floats) -> None:
     """Write psi' and the friction ratio at a place of a piece to `out`."""
     starts, series, _, _, slips, turns = of
@@ -162,7 +162,7 @@ def _measured(E: Floats, of: Pieces, piece: int, c: float, work: Work, out: Floa
     out[1] = friction / N if N > 0 or isnan(N) else np.inf
 
 
-@jit
+@inner
 def _magnitude(
     E: Floats, of: Pieces, time: float, near: int, which: int, work: Work, out: Floats
 ) -> float:
@@ -178,7 +178,7 @@ def _magnitude(
     return float(abs(out[which]))
 
 
-@jit
+@inner
 def _top(
     E: Floats,
     of: Pieces,

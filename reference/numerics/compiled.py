@@ -42,7 +42,16 @@ def jit(function: F) -> F:
     ModuleNotFoundError
         If numba is not installed.
     """
-    return _compiled(function, inlined=False)
+    return _compiled(function)
+
+
+def inner(function: F) -> F:
+    """Return the same as `jit`, for kernels to call alone.
+
+    The code by which Python would call the function is left out: it takes as long to compile as a
+    short kernel itself.
+    """
+    return _compiled(function, inner=True)
 
 
 def inlined(function: F) -> F:
@@ -51,10 +60,10 @@ def inlined(function: F) -> F:
     For algebra in numbers: a loop over a call is one instruction for several columns only where the
     call is gone. It is compiled once more with each caller.
     """
-    return _compiled(function, inlined=True)
+    return _compiled(function, inner=True, inlined=True)
 
 
-def _compiled(function: F, *, inlined: bool) -> F:
+def _compiled(function: F, *, inner: bool = False, inlined: bool = False) -> F:
     """Return a function that numba compiles when it is first called."""
     if not available():
         message = "compiled kernels need numba: pip install 'rockingcan[fast]'"
@@ -64,8 +73,16 @@ def _compiled(function: F, *, inlined: bool) -> F:
     config: Any = numba.config
     own = config.CACHE_DIR
     config.CACHE_DIR = _folder(own)
-    compile_first = numba.njit(
-        cache=True, nogil=True, error_model="numpy", fastmath=False, forceinline=inlined
+    # numba's own stubs leave two of these options out
+    options: Any = numba.njit
+    compile_first = options(
+        cache=True,
+        nogil=True,
+        error_model="numpy",
+        fastmath=False,
+        forceinline=inlined,
+        no_cpython_wrapper=inner,
+        no_cfunc_wrapper=inner,
     )
     try:
         return cast("F", compile_first(function))

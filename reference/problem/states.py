@@ -63,18 +63,17 @@ class States:
 
 def initial_states(problem: Problem) -> States:
     """State at release, shape (1,), without the contact point and the force of the plane."""
-
-    def one(value: float) -> Floats:
-        return np.array([value], dtype=float)
-
+    p = problem
+    angles = p.phi, p.phi_dot, p.psi, p.psi_dot, p.theta, p.theta_dot, p.psi_dot + p.theta_dot
+    phi, phi_dot, psi, psi_dot, theta, theta_dot, spin = np.array(angles, dtype=float)[:, None]
     return States(
-        phi=one(problem.phi),
-        phi_dot=one(problem.phi_dot),
-        psi=one(problem.psi),
-        psi_dot=one(problem.psi_dot),
-        theta=one(problem.theta),
-        theta_dot=one(problem.theta_dot),
-        spin=one(problem.psi_dot + problem.theta_dot),
+        phi=phi,
+        phi_dot=phi_dot,
+        psi=psi,
+        psi_dot=psi_dot,
+        theta=theta,
+        theta_dot=theta_dot,
+        spin=spin,
         slip=_slip(problem) if problem.effects.declared() else None,
     )
 

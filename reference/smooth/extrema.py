@@ -6,15 +6,16 @@ bounce and as an ending. The result of an integrator is a `Run`: its path and it
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import pi, sqrt
 from typing import Protocol
 
 import numpy as np
 
 from reference.equations.contact_laws import Impact, Phase
-from reference.equations.nonholonomic import nutation_acceleration, stands_still
+from reference.equations.nonholonomic import EPS, nutation_acceleration, stands_still
 from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
-from reference.problem.states import Floats, Snapshot, States, initial_states, states_of
+from reference.problem.states import Floats, Snapshot, States, states_of
 
 # A bounce must stand out from round-off: phi must fall by at least this fraction of its maximum.
 PROMINENCE = 1e-9
@@ -118,12 +119,10 @@ class ExtremumRecorder:
         self._extrema: list[tuple[float, Snapshot, bool]] = []
         rolls = fall is None
         if fall is None:
-            release = initial_states(problem)
-            fall = float(
-                nutation_acceleration(
-                    release.phi, release.psi_dot, release.spin, problem.parameters
-                )[0]
-            )
+            p = problem
+            # of numbers: for one instant they are several times faster than arrays
+            spin = p.psi_dot + p.theta_dot
+            fall = float(nutation_acceleration(p.phi, p.psi_dot, spin, p.parameters))
         still = rolls and stands_still(problem, fall)
         self._wait = _longest_wait(problem, fall, still=still)
         falls = (problem.phi_dot or fall) < 0
@@ -226,12 +225,11 @@ def _longest_wait(problem: Problem, pull: float, *, still: bool) -> float:
     """Return for how long phi of a moving can may stay within `PROMINENCE`."""
     if still:
         # round-off grows by e^(2 pi) or less meanwhile: nothing to see
-        return 2 * np.pi
-    wait = LONGEST_WAIT * np.sqrt(problem.parameters.pendulum_inertia)
+        return 2 * pi
+    wait = LONGEST_WAIT * sqrt(problem.parameters.pendulum_inertia)
     if pull == 0:
-        return float(wait)
-    seen = np.sqrt(2 * PROMINENCE * problem.phi / max(abs(pull), np.finfo(float).eps))
-    return float(max(wait, PULLED * seen))
+        return wait
+    return max(wait, PULLED * sqrt(2 * PROMINENCE * problem.phi / max(abs(pull), EPS)))
 
 
 class Path(Protocol):

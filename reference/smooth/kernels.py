@@ -5,13 +5,13 @@ node instead of array by array. What differs: the convergence is judged after ev
 costs next to nothing here. Imported where a caller asks for compiled code.
 """
 
-from math import atan, atanh, cosh, exp, inf, isnan, sin, sqrt, tanh
+from math import atan, atanh, cos, cosh, exp, inf, isnan, sin, sqrt, tanh
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reference.numerics.chebyshev import derivative, integrator, points, to_coefficients
-from reference.numerics.compiled import jit
+from reference.numerics.compiled import inner, jit
 from reference.problem.states import Floats
 from reference.smooth import picard_chebyshev as scheme
 
@@ -29,9 +29,11 @@ _SLOW, _CLOSEST, _ROUNDED = scheme.SLOW, scheme.CLOSEST, scheme.ROUNDED
 _RESOLVED = scheme.RESOLVED
 # Newton on a monotone, nearly linear function, as in `reference.smooth.dense_output`.
 _MOST_ROUNDS = 60
+# Values of which the largest is looked for at once; a divisor of the number of nodes.
+_LANES = 16
 
 
-@jit
+@inner
 def multiplied(rows: Floats, matrix: Floats, out: Floats) -> None:
     """Write the product of `rows`, shape (m, n), and a matrix, shape (n, n), to `out`."""
     n = rows.shape[1]
@@ -44,49 +46,87 @@ def multiplied(rows: Floats, matrix: Floats, out: Floats) -> None:
                 out[i, j] += factor * matrix[k, j]
 
 
-@jit
+@inner
+def integrated(rows: Floats, out: Floats) -> None:
+    """Write the integrals of `rows`, shape (m, nodes), from -1 to each node to `out`.
+
+    `multiplied` of a constant: the compiler sees that no result is written over the matrix, and
+    terms are added in their order, four at a time, so that a sum is seldom put down on the way.
+    """
+    for i in range(rows.shape[0]):
+        for j in range(_N):
+            out[i, j] = 0.0
+        for k in range(0, _N, 4):
+            a, b, c, d = rows[i, k], rows[i, k + 1], rows[i, k + 2], rows[i, k + 3]
+            for j in range(_N):
+                total = out[i, j] + a * _WEIGHTS[k, j] + b * _WEIGHTS[k + 1, j]
+                out[i, j] = total + c * _WEIGHTS[k + 2, j] + d * _WEIGHTS[k + 3, j]
+
+
+@inner
 def _round(forms: Floats, short: float, start: Floats, half: float, y: Floats, new: Floats) -> None:
-    """Write one round of the fixed point to `new`: the start and the integral of the field at y."""
-    n = y.shape[1]
-    field, integral = np.empty((3, n)), np.empty((3, n))
-    for j in range(n):
-        T, b, s = y[0, j], y[2, j], y[3, j]
+    """Write one round of the fixed point to `new`: the start and the integral of the field at y.
+
+    Loops of algebra alone, over arrays that nothing else can be, are done several nodes at once.
+    """
+    field, integral = np.empty((3, _N)), np.empty((3, _N))
+    a, b, c, d = forms[0, 0], forms[0, 1], forms[0, 2], forms[0, 3]
+    e, f, g, weight = forms[2, 1], forms[2, 2], forms[2, 3], forms[5, 1]
+    for j in range(_N):
+        field[1, j] = sin(short - y[4, j])
+    for j in range(_N):
+        T, s = y[0, j], y[3, j]
         S = 2 * T / (1 + T * T)
         m = T * S
-        q = b / S
-        G = forms[0, 0] * T + forms[0, 1] * S + forms[0, 2] * m + forms[0, 3]
-        Q = forms[2, 1] * S + forms[2, 2] * m + forms[2, 3]
-        field[0, j] = q * (q * G + s * Q) - forms[5, 1] * S * sin(short - y[4, j])
-    multiplied(field[:1], _WEIGHTS, integral[:1])
-    for j in range(n):
+        q = y[2, j] / S
+        G = a * T + b * S + c * m + d
+        Q = e * S + f * m + g
+        field[0, j] = q * (q * G + s * Q) - weight * S * field[1, j]
+    integrated(field[:1], integral[:1])
+    for j in range(_N):
         new[1, j] = start[1] + half * integral[0, j]
-    multiplied(new[1:2], _WEIGHTS, integral[:1])
-    for j in range(n):
+    integrated(new[1:2], integral[:1])
+    for j in range(_N):
         new[0, j] = start[0] * exp(half * integral[0, j])
-    for j in range(n):
-        T, Phi, b, s = new[0, j], new[1, j], y[2, j], y[3, j]
+    a, b, c = forms[1, 0], forms[1, 1], forms[1, 2]
+    e, f, g = forms[3, 1], forms[3, 2], forms[6, 1]
+    for j in range(_N):
+        T, Phi, sweep, s = new[0, j], new[1, j], y[2, j], y[3, j]
         S = 2 * T / (1 + T * T)
         m = T * S
-        W = forms[1, 0] * T + forms[1, 1] * S + forms[1, 2] * m
-        M = forms[3, 1] * S + forms[3, 2] * m
-        field[0, j] = Phi * (forms[6, 1] * S * S * s - b * M)
-        field[1, j] = Phi * (s * M + b / S * W)
+        W = a * T + b * S + c * m
+        M = e * S + f * m
+        field[0, j] = Phi * (g * S * S * s - sweep * M)
+        field[1, j] = Phi * (s * M + sweep / S * W)
         field[2, j] = S * Phi
-    multiplied(field, _WEIGHTS, integral)
+    integrated(field, integral)
     for i in range(3):
-        for j in range(n):
+        for j in range(_N):
             new[i + 2, j] = start[i + 2] + half * integral[i, j]
 
 
-@jit
+@inner
+def _largest(magnitudes: Floats) -> float:
+    """Return the largest of as many magnitudes as there are nodes; nan if one is no number."""
+    lanes = np.zeros(_LANES)
+    for first in range(0, _N, _LANES):
+        for lane in range(_LANES):
+            here = magnitudes[first + lane]
+            # a comparison with what is no number is false
+            lanes[lane] = lanes[lane] if lanes[lane] >= here or isnan(lanes[lane]) else here
+    largest = 0.0
+    for lane in range(_LANES):
+        if lanes[lane] > largest or isnan(lanes[lane]):
+            largest = lanes[lane]
+    return largest
+
+
+@inner
 def _scales(short: float, y: Floats, length: float, scale: Floats) -> None:
     """Write the magnitudes of (T, Phi, b, s, d), as `picard_chebyshev.scales`."""
     least = inf
     for i in range(5):
-        largest = 0.0
-        for j in range(y.shape[1]):
-            largest = max(largest, abs(y[i, j]))
-        scale[i] = largest
+        scale[i] = _largest(np.abs(y[i]))
     for j in range(y.shape[1]):
         least = min(least, y[0, j])
     precession = scale[2] / (abs(least) + _TINY)
@@ -97,7 +137,7 @@ def _scales(short: float, y: Floats, length: float, scale: Floats) -> None:
     scale[4] = max(abs(short), scale[4]) + _TINY
 
 
-@jit
+@inner
 def bare_bounce(swing: float, start: Floats, length: float, y: Floats) -> None:
     """Write the motion without gravity to y, the first guess of a step."""
     T, Phi = start[0], start[1]
@@ -147,7 +187,7 @@ def converge(
     """
     short, swing = constants
     n = _POINTS.size
-    y, old, scale = np.empty((5, n)), np.empty((5, n)), np.empty((5, 1))
+    y, old, scale, apart = np.empty((5, n)), np.empty((5, n)), np.empty((5, 1)), np.empty(n)
     guessed = guess[0].size > 0
     if guessed:
         y[:] = guess[0]
@@ -165,10 +205,11 @@ def converge(
             _scales(short, y, length, scale[:, 0])
         moved = 0.0
         for i in range(5):
-            for j in range(n):
-                apart = abs(y[i, j] - old[i, j]) / scale[i, 0]
-                if apart > moved or isnan(apart):
-                    moved = apart
+            for j in range(_N):
+                apart[j] = abs(y[i, j] - old[i, j])
+            share = _largest(apart) / scale[i, 0]
+            if share > moved or isnan(share):
+                moved = share
         if moved < _STANDS or (moved < _TOLERATED and moved > before / 2):
             break
         if not moved < _HOPELESS:
@@ -183,7 +224,7 @@ def converge(
     return (0.6 if harmonics >= n - 2 else 0.0), count, harmonics, y, scale
 
 
-@jit
+@inner
 def _stands_out(coefficients: Floats, scale: Floats) -> bool:
     """Return whether a harmonic stands out of the round-off of any quantity."""
     return bool((np.abs(coefficients) > _RESOLVED * scale).any())
@@ -208,7 +249,7 @@ def quadratures(values: Floats, length: float, origin: tuple[float, float, float
         S = 2 * T / (1 + T * T)
         rows[0, j], rows[1, j], rows[2, j] = S, values[2, j] / S, S * values[3, j]
     out[:5] = values
-    multiplied(rows, _WEIGHTS, out[5:])
+    integrated(rows, out[5:])
     for i in range(3):
         for j in range(n):
             out[5 + i, j] = out[5 + i, j] * (length / 2) + origin[i]
@@ -216,6 +257,47 @@ def quadratures(values: Floats, length: float, origin: tuple[float, float, float
 
 
 @jit
+def forces(
+    can: tuple[float, float, float, float, float],
+    nutation: tuple[Floats, Floats],
+    precession: tuple[Floats, Floats],
+    spin: Floats,
+) -> Floats:
+    """Return the force of the plane, in the world, as `reaction_force.contact_force`.
+
+    Parameters
+    ----------
+    can : tuple of float
+        a, c, h, k and c_p.
+    nutation, precession : tuple of ndarray, shape (n,)
+        The angle and its rate.
+    spin : ndarray, shape (n,)
+
+    Returns
+    -------
+    ndarray, shape (3, n)
+        In m g.
+    """
+    a, c, h, k, c_p = can
+    a_p = a + h * h
+    out = np.empty((3, spin.size))
+    for j in range(spin.size):
+        Phi, Psi, s = nutation[1][j], precession[1][j], spin[j]
+        S, C, half = sin(nutation[0][j]), cos(nutation[0][j]), sin(nutation[0][j] / 2)
+        m = 2 * (half * half)
+        square = a_p * S * C + (c_p * S + h * (1 + 2 * C)) * m
+        drive = square * (Psi * Psi) - (c_p * S + h * C) * s * Psi + h * S - C
+        pull = drive / (a_p + 1)
+        lateral = s - Psi * (m + h * S)
+        along = -(S + h * C) * pull - (C - h * S) * (Phi * Phi) - Psi * lateral
+        aside = -k * Phi * (a * Psi * S + c * h * (s - Psi * m))
+        cosine, sine = cos(precession[0][j]), sin(precession[0][j])
+        out[0, j], out[1, j] = along * cosine - aside * sine, along * sine + aside * cosine
+        out[2, j] = 1 + (C - h * S) * pull - (S + h * C) * (Phi * Phi)
+    return out
+
+
+@inner
 def value_of(series: Floats, x: float) -> float:
     """Return the value of a Chebyshev series at one place."""
     b1 = b2 = 0.0
@@ -229,9 +311,21 @@ def values_at(values: Floats, x: Floats) -> Floats:
     """Return rows of values at the nodes, shape (m, nodes), at places in [-1, 1], shape (m, n)."""
     series, out = np.empty_like(values), np.empty((values.shape[0], x.size))
     multiplied(values, _TO_COEFFICIENTS, series)
+    if x.size == 1:
+        for i in range(values.shape[0]):
+            out[i, 0] = value_of(series[i], x[0])
+        return out
+    # the same sums, of several places at once
+    b1, b2 = np.empty(x.size), np.empty(x.size)
     for i in range(values.shape[0]):
+        b1[:], b2[:] = 0.0, 0.0
+        for k in range(series.shape[1] - 1, 0, -1):
+            coefficient = series[i, k]
+            for j in range(x.size):
+                b2[j] = 2 * x[j] * b1[j] - b2[j] + coefficient
+            b1, b2 = b2, b1
         for j in range(x.size):
-            out[i, j] = value_of(series[i], x[j])
+            out[i, j] = x[j] * b1[j] - b2[j] + series[i, 0]
     return out
 
 

@@ -182,7 +182,8 @@ def integrate_by_symmetry(problem: Problem, *, locus: bool, compiled: bool = Fal
         if not watch.met:
             return _back_and_beyond(problem, ahead, behind)
         pieces.insert(0, _reversed(_values(behind)))
-    half = ElementsPath(values=np.concatenate(pieces, axis=1), release=initial_states(problem))
+    values = pieces[0] if behind is None else np.concatenate(pieces, axis=1)
+    half = ElementsPath(values=values, release=_elements(ahead).release)
     edges = half.ends()
     low, high = edges.phi.min(), edges.phi.max()
     if high - low < PROMINENCE * high:
@@ -251,11 +252,15 @@ def _up_to(values: Floats, time: float) -> Floats:
     return np.concatenate([values[:, :step], last[:, None]], axis=1)
 
 
-def _values(run: Run) -> Floats:
+def _elements(run: Run) -> ElementsPath:
     path = run.path
     if not isinstance(path, ElementsPath):
         raise TypeError("only a march has elements")
-    return path.values
+    return path
+
+
+def _values(run: Run) -> Floats:
+    return _elements(run).values
 
 
 def _reversed(values: Floats) -> Floats:
@@ -288,7 +293,8 @@ def _until_horizon(problem: Problem, path: MirroredPath, runs: tuple[Run, ...]) 
     times, states = path.extrema(number)
     maximum = (number % 2 == 1) == rising
     inside = times <= t_end
-    times, states, maximum = times[inside], select_states(states, inside), maximum[inside]
+    if not inside.all():
+        times, states, maximum = times[inside], select_states(states, inside), maximum[inside]
     if falling and problem.phi_dot != 0:
         times = np.append(0.0, times)
         states = _joined(path.at(np.zeros(1)), states)

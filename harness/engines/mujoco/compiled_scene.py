@@ -24,7 +24,6 @@ from harness.engines import (
     Trajectory,
     Value,
     mesh_points,
-    trajectory_of,
 )
 from harness.engines.mujoco.colliders import CYLINDER_ON_PLANE, mesh_in, shapes_in
 from harness.engines.mujoco.settings import attributes, matched_solref, rows_of, stages
@@ -233,6 +232,8 @@ class CompiledScene:
         net = sensors[:, self.found : self.found + 7]
         count, force, point = net[:, 0], net[:, 1:4], net[:, 4:7]
         bears = (count > 0) & (force[:, 2] > 0.0)
+        if bears.all():
+            return point, force, -sensors[:, self._depth], count
         return (
             np.where(bears[:, None], point, np.nan),
             force,
@@ -241,10 +242,21 @@ class CompiledScene:
         )
 
     def trajectory(self, time: Floats, states: Floats, sensors: Floats) -> Trajectory:
-        """Return states (n, 13), as in `chunk_of`, with the sensors of their instants."""
-        spin = to_world(states[:, 3:7], states[:, 10:])
-        motion = np.hstack((states[:, :10], spin))
-        return trajectory_of(time, motion, *self.read_contact(sensors))
+        """Return states, as in `chunk_of`, with the sensors of their instants."""
+        point, force, depth, count = self.read_contact(sensors)
+        states = states.T.copy().T  # a column at a time is read, some of them ten times
+        quaternion = states[:, -10:-6]
+        return Trajectory(
+            time=time,
+            position=states[:, -13:-10],
+            quaternion=quaternion,
+            velocity=states[:, -6:-3],
+            angular_velocity=to_world(quaternion, states[:, -3:]),
+            contact_point=point,
+            contact_force=force,
+            penetration=depth,
+            contact_count=count.astype(np.int64),
+        )
 
 
 def _compiled(
@@ -285,8 +297,8 @@ def chunk_of(
     scene : CompiledScene
     times : ndarray, shape (n,)
         s.
-    states : ndarray, shape (n, 13)
-        qpos and qvel, the angular velocity in the body's frame.
+    states : ndarray, shape (n, 13 or more)
+        qpos and qvel in the last columns, the angular velocity in the body's frame.
     sensors : ndarray, shape (n, 8)
     count : int
         How many of the states from the first on are valid.
@@ -295,16 +307,15 @@ def chunk_of(
     spans : ndarray of int, shape (n,), optional
         Where not every step was read: for how many each stands.
     """
-    worked = np.zeros(len(times), dtype=np.int64)
-    worked[:count] = sensors[:count, scene.found]
-    worked *= scene.rows_per_contact
-
+    worked = (sensors[:count, scene.found] * scene.rows_per_contact).astype(np.int64)
+    if count < len(times):
+        worked = np.append(worked, np.zeros(len(times) - count, dtype=np.int64))
     return Chunk(
         times=times,
-        quaternions=states[:count, 3:7],
+        quaternions=states[:count, -10:-6],
         constraint_rows=worked,
         sound=sound and count == len(states),
-        velocities=states[:count, 7:10],
+        velocities=states[:count, -6:-3],
         readings=(states, sensors),
         trajectory=scene.trajectory,
         spans=spans,

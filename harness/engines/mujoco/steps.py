@@ -53,19 +53,19 @@ def chunk_of_states(
     Where not every step was read, `spans` says for how many each stands.
     """
     count, sound = _sound(states), not _unstable(world.data)
-    return chunk_of(world, times, states[:, 1:], sensors, count=count, sound=sound, spans=spans)
+    return chunk_of(world, times, states, sensors, count=count, sound=sound, spans=spans)
 
 
-_BROKEN = (
-    mujoco.mjtWarning.mjWARN_BADQPOS,
-    mujoco.mjtWarning.mjWARN_BADQVEL,
-    mujoco.mjtWarning.mjWARN_BADQACC,
-)
+_BROKEN = [
+    int(mujoco.mjtWarning.mjWARN_BADQPOS),
+    int(mujoco.mjtWarning.mjWARN_BADQVEL),
+    int(mujoco.mjtWarning.mjWARN_BADQACC),
+]
 
 
 def _unstable(data: mujoco.MjData) -> bool:
     """Whether MuJoCo itself has warned of numbers that are not finite, or huge."""
-    return any(data.warning[kind].number for kind in _BROKEN)
+    return bool(data.warning.number[_BROKEN].any())
 
 
 def _sound(states: Floats) -> int:
@@ -123,9 +123,10 @@ class MujocoSteps:
         self._state = state_of(world)
         self._times: list[Floats] = []
         self._states = self._sensors = _NOTHING
+        self._held = 0
         self._clock: list[float] = []
         self._motion, self._sensed = bytearray(), bytearray()
-        self._spans: list[int] = []
+        self._spans: list[Integers] = []
 
     def state(self) -> tuple[list[float], list[float]]:
         """Return quaternion (scalar first) and angular velocity; fixed steps do not ask for it."""
@@ -158,10 +159,11 @@ class MujocoSteps:
         )
         self._state = states[0, -1]
         self._times.append(stage.times)
+        self._held += count
 
     def _room(self, count: int) -> tuple[Floats, Floats]:
         """Return where to write states, after the one from which they go on, and sensors."""
-        held = sum(map(len, self._times))
+        held = self._held
         if held + count >= self._states.shape[1]:
             states = np.empty((1, max(held + count, _ROOM) + 1, len(self._state)))
             sensors = np.empty((1, states.shape[1], self._world.model.nsensordata))
@@ -181,24 +183,25 @@ class MujocoSteps:
         place, rate, spin = data.qpos, data.qvel, np.empty(3)
         quaternion, turning, sensed = place[3:], rate[3:], self._sensed.extend
 
-        def read_and_step() -> tuple[list[float], list[float]]:
-            clock(data.time)
-            motion(place.tobytes())
-            motion(rate.tobytes())
-            mujoco.mju_rotVecQuat(spin, turning, quaternion)
-            w, x, y, z = quaternion.tolist()
-            option.disableflags = seen
-            step(model, data)
-            option.disableflags = unseen
-            sensed(sensors.tobytes())
+        def read_and_step(steps: int) -> tuple[list[float], list[float]]:
+            for _ in range(steps):
+                clock(data.time)
+                motion(place.tobytes())
+                motion(rate.tobytes())
+                mujoco.mju_rotVecQuat(spin, turning, quaternion)
+                w, x, y, z = quaternion.tolist()
+                option.disableflags = seen
+                step(model, data)
+                option.disableflags = unseen
+                sensed(sensors.tobytes())
             return [x, y, z, w], spin.tolist()
 
         unseen = seen | SENSORS_OFF
         option.disableflags = unseen
         places, spans = take_stage(stage, sampling, read_and_step, partial(step, model, data))
         option.disableflags = seen
-        self._spans += spans
-        if places:
+        if len(places) > 0:
+            self._spans.append(spans)
             self._times.append(stage.times[places])
 
     def chunk(self) -> Chunk | None:
@@ -207,16 +210,15 @@ class MujocoSteps:
             return None
         times, spans = np.concatenate(self._times), None
         if self._sampling is None:
-            held = len(times)
-            states, sensors = self._states[0, :held], self._sensors[0, :held]
+            states, sensors = self._states[0, : self._held], self._sensors[0, : self._held]
         else:
             states = np.empty((len(times), len(self._state)))
             states[:, 0] = self._clock
             states[:, 1:] = np.frombuffer(self._motion).reshape(len(times), -1)
             sensors = np.frombuffer(self._sensed).reshape(len(times), -1)
-            spans = np.array(self._spans)
+            spans = np.concatenate(self._spans)
         # they belong to the chunk now
-        self._times, self._states, self._sensors = [], _NOTHING, _NOTHING
+        self._times, self._held, self._states, self._sensors = [], 0, _NOTHING, _NOTHING
         self._clock, self._motion, self._sensed = [], bytearray(), bytearray()
         self._spans = []
         return chunk_of_states(self._world, times, states, sensors, spans)

@@ -65,8 +65,8 @@ class MujocoWorld(CompiledScene):
         """Return the contact that the last step solved: that of the state before it."""
         point, force, penetration, count = self.read_contact(self.data.sensordata[None])
         return Contact(
-            point=point[0],
-            force=force[0].copy(),  # MuJoCo writes over it in the next step
+            point=point[0].copy(),  # MuJoCo writes over it in the next step
+            force=force[0].copy(),
             penetration=float(penetration[0]),
             count=int(count[0]),
         )

@@ -145,6 +145,8 @@ def ask(world: World, can: Can, stance: Stance) -> Answer:
         world.place(pose, AT_REST)
     with asking("collision"):
         found = collision(world)
+    if not len(found.depths):  # as wherever the can is above the ground
+        return Answer(stance=stance, radius=can.radius, count=0)
     # some colliders tell of points above the ground; numbers that break are no contact
     untold = bool(np.isnan(found.depths).all())
     touching = (untold | (found.depths > 0.0)) & np.isfinite(found.points).all(axis=1)

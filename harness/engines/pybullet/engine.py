@@ -20,6 +20,7 @@ from harness.engines import (
     Case,
     Chunk,
     Floats,
+    Integers,
     PhysicsEngine,
     SamplingInterval,
     Schedule,
@@ -32,15 +33,14 @@ from harness.engines import (
 )
 from harness.engines.pybullet import DESCRIPTION
 from harness.engines.pybullet import settings as declared
+from harness.engines.pybullet.contact_points import POINT, packed, resultants
 from harness.engines.pybullet.suppress_output import pybullet
-from harness.engines.pybullet.world import ANY_LINK, Numbers, PybulletWorld, resultant
+from harness.engines.pybullet.world import ANY_LINK, Numbers, PybulletWorld
 
 _ROWS_PER_CONTACT = 3  # the normal and two directions of friction
-_READING = Struct("22d")
-"""Position, quaternion (scalar last), velocity, angular velocity; resultant, as `resultant` returns
-it; number of contact points, with those that bear nothing."""
+_READING = Struct("14d")
+"""Position, quaternion (scalar last), velocity, angular velocity; number of contact points."""
 
-_WIDTH = _READING.size // 8
 _SCALAR_FIRST = [6, 3, 4, 5]
 
 
@@ -57,8 +57,8 @@ class PybulletSteps:
     def __init__(self, world: PybulletWorld, sampling: SamplingInterval | None) -> None:
         self._world, self._sampling = world, sampling
         self._times: list[Floats] = []
-        self._spans: list[int] = []
-        self._readings = bytearray()
+        self._spans: list[Integers] = []
+        self._readings, self._points = bytearray(), bytearray()
 
     def state(self) -> tuple[Numbers, Numbers]:
         """Return quaternion (scalar first) and angular velocity of the can."""
@@ -72,18 +72,20 @@ class PybulletSteps:
         client, can, ground, centred = world.client, world.can, world.ground, world.reading
         step, pose_of = world.stepper(stage.times), pybullet.getBasePositionAndOrientation
         velocity_of, contacts_of = pybullet.getBaseVelocity, pybullet.getContactPoints
-        keep, packed = self._readings.extend, _READING.pack
+        readings, points, reading = self._readings.extend, self._points.extend, _READING.pack
 
-        def read_and_step() -> tuple[Numbers, Numbers]:
-            position, quaternion = pose_of(can, client)
-            velocity, spin = velocity_of(can, client)
-            if centred is not None:
-                position, quaternion, velocity, spin = centred(position, quaternion, velocity, spin)
-            step(client)
-            # by place: PyBullet takes a quarter longer where the client is named
-            points = contacts_of(can, ground, ANY_LINK, ANY_LINK, client)
-            contact = resultant(points)
-            keep(packed(*position, *quaternion, *velocity, *spin, *contact, len(points)))
+        def read_and_step(steps: int) -> tuple[Numbers, Numbers]:
+            for _ in repeat(None, steps):
+                position, quaternion = pose_of(can, client)
+                velocity, spin = velocity_of(can, client)
+                if centred is not None:
+                    state = centred(position, quaternion, velocity, spin)
+                    position, quaternion, velocity, spin = state
+                step(client)
+                # by place: PyBullet takes a quarter longer where the client is named
+                contacts = contacts_of(can, ground, ANY_LINK, ANY_LINK, client)
+                points(packed(contacts))
+                readings(reading(*position, *quaternion, *velocity, *spin, len(contacts)))
             return quaternion, spin
 
         def skip(steps: int) -> None:
@@ -91,30 +93,33 @@ class PybulletSteps:
                 step(client)
 
         places, spans = take_stage(stage, self._sampling, read_and_step, skip)
-        self._times.append(stage.times[places])
-        self._spans += spans
+        if len(places) > 0:
+            self._times.append(stage.times[places])
+            self._spans.append(spans)
         return True
 
     def chunk(self) -> Chunk | None:
         """Return the readings since the last chunk; None without any."""
         if not self._spans:
             return None
-        times, spans = np.concatenate(self._times), np.array(self._spans)
-        rows = np.frombuffer(self._readings).reshape(-1, _WIDTH)
-        self._times, self._spans, self._readings = [], [], bytearray()
+        times, spans = np.concatenate(self._times), np.concatenate(self._spans)
+        rows = np.frombuffer(self._readings).reshape(-1, _READING.size // 8)
+        points = np.frombuffer(self._points).reshape(-1, POINT.size // 8)
+        contacts, parts = rows[:, 13].astype(np.int64), self._world.parts
+        self._times, self._spans = [], []
+        self._readings, self._points = bytearray(), bytearray()
         # numbers that break stay broken: the last state speaks for all before it
         count = len(rows)
-        if not np.isfinite(rows[-1, :13]).all():
-            count = int(np.argmin(np.isfinite(rows[:, :13]).all(axis=1)))
-        contacts, parts = rows[:, 21].astype(np.int64), self._world.parts
+        if not np.isfinite(rows[-1]).all():
+            count = int(np.argmin(np.isfinite(rows).all(axis=1)))
+        resultant = resultants(points, contacts)
         contacts[count:] = 0
 
-        def trajectory(time: Floats, rows: Floats) -> Trajectory:
+        def trajectory(time: Floats, rows: Floats, contact: Floats) -> Trajectory:
             rows[:, 3:7] = rows[:, _SCALAR_FIRST]
-            force = rows[:, 16:19] * parts
-            return trajectory_of(
-                time, rows[:, :13], rows[:, 13:16], force, rows[:, 19], rows[:, 20]
-            )
+            force = contact[:, 3:6] * parts
+            motion, count = rows[:, :13], contact[:, 7]
+            return trajectory_of(time, motion, contact[:, :3], force, contact[:, 6], count)
 
         return Chunk(
             times=times,
@@ -123,7 +128,7 @@ class PybulletSteps:
             constraint_rows=contacts * _ROWS_PER_CONTACT,
             spans=spans,
             sound=count == len(rows),
-            readings=(rows,),
+            readings=(rows, resultant),
             trajectory=trajectory,
         )
 

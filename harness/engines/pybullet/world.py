@@ -15,7 +15,6 @@ centre:
 with c the centre of mass from the can's centre in the can's axes.
 """
 
-import math
 import tempfile
 import weakref
 from collections.abc import Callable, Mapping, Sequence
@@ -35,6 +34,7 @@ from harness.engines import (
     mesh_points,
     obj_text,
 )
+from harness.engines.pybullet.contact_points import POINT, packed, resultants
 from harness.engines.pybullet.settings import (
     DYNAMICS,
     PROCESS_WIDE,
@@ -136,15 +136,25 @@ def _turned(quaternion: Numbers, vector: Numbers) -> tuple[float, float, float]:
     )
 
 
-ContactPoint: TypeAlias = tuple[Any, ...]
-Resultant: TypeAlias = tuple[float, float, float, float, float, float, float, float]
-
 _RIGID = 1e18  # N/m: what PyBullet gives a body that declares no stiffness
 ANY_LINK = -2
 """What PyBullet takes for a link that is not named."""
 
-_REACH = 1.0  # m: distance up to which closest points are sought
-_MESH = "can.obj"
+_IDLE: list[int] = []
+"""Clients of worlds that are gone; a new one takes three times as long until it has a plane."""
+
+
+def _connected() -> int:
+    """Return a client without bodies, with every parameter as in a new one."""
+    if not _IDLE:
+        return int(pybullet.connect(pybullet.DIRECT))
+    client = _IDLE.pop()
+    pybullet.resetSimulation(physicsClientId=client)
+    pybullet.setPhysicsEngineParameter(numSubSteps=0, physicsClientId=client)  # kept by a reset
+    return client
+
+
+_REACH, _MESH = 1.0, "can.obj"  # m: distance up to which closest points are sought
 
 
 class PybulletWorld:
@@ -160,8 +170,8 @@ class PybulletWorld:
     """
 
     def __init__(self, case: Case, chosen: Mapping[str, Value], timestep: float) -> None:
-        self.client = pybullet.connect(pybullet.DIRECT)
-        self._finalizer = weakref.finalize(self, pybullet.disconnect, self.client)
+        self.client = _connected()
+        self._finalizer = weakref.finalize(self, _IDLE.append, self.client)
         self._timestep = timestep
         here = {"physicsClientId": self.client}
         self._scene, self._shaken = case.scene, case.scene.effects.shake is not None
@@ -172,8 +182,8 @@ class PybulletWorld:
         algorithm = solver.pop("constraintSolverType")
         pybullet.setPhysicsEngineParameter(**solver, **here)
         if algorithm != SEQUENTIAL_IMPULSE:
-            number = getattr(pybullet, str(algorithm))
             with silence():
+                number = getattr(pybullet, str(algorithm))
                 pybullet.setPhysicsEngineParameter(constraintSolverType=number, **here)
         self.parts = max(int(chosen["numSubSteps"]), 1)  # type: ignore[arg-type]
         flags = sum(getattr(pybullet, name) for name in urdf_flags(chosen))
@@ -215,8 +225,7 @@ class PybulletWorld:
         PyBullet remembers files by their path, so the path must be new for each text.
         """
         path.write_text(text, encoding="utf-8")
-        body: int = pybullet.loadURDF(str(path), physicsClientId=self.client, **how)
-        return body
+        return int(pybullet.loadURDF(str(path), physicsClientId=self.client, **how))
 
     @property
     def mass(self) -> float:
@@ -318,14 +327,11 @@ class PybulletWorld:
 
     def contact(self) -> Contact:
         """Return the contact that the last step solved: that of the state before it."""
-        x, y, z, fx, fy, fz, depth, count = resultant(
-            pybullet.getContactPoints(self.can, self.ground, physicsClientId=self.client)
-        )
+        points = pybullet.getContactPoints(self.can, self.ground, physicsClientId=self.client)
+        numbers = np.frombuffer(packed(points)).reshape(-1, POINT.size // 8)
+        row = resultants(numbers, np.array([len(points)]))[0]
         return Contact(
-            point=np.array((x, y, z)),
-            force=np.array((fx, fy, fz)) * self.parts,
-            penetration=depth,
-            count=int(count),
+            point=row[:3], force=row[3:6] * self.parts, penetration=float(row[6]), count=int(row[7])
         )
 
     def collision(self) -> Collision:
@@ -344,45 +350,3 @@ class PybulletWorld:
             self.can, self.ground, _REACH, physicsClientId=self.client
         )
         return float(min(point[8] for point in points)) if points else np.inf
-
-
-def resultant(points: Sequence[ContactPoint]) -> Resultant:
-    """Return the resultant of PyBullet's contact points between can and ground.
-
-    Parameters
-    ----------
-    points : sequence of tuple
-        As `getContactPoints` returns them: 5 and 6 positions on can and ground, 7 normal towards
-        the can, 8 distance, 9 normal force, 10 to 13 two friction forces, each followed by its
-        direction.
-
-    Returns
-    -------
-    tuple of 8 floats
-        Force-weighted point (3), force on the can (3), depth of the deepest point, number of points
-        that bear a force. Cached points without force stay out of the locus: they may be half a can
-        away.
-    """
-    px = py = pz = fx = fy = fz = total = bearing = 0.0
-    depth = -math.inf
-    for point in points:
-        _, _, _, _, _, own, other, normal, gap, n, f1, first, f2, second = point
-        if -gap > depth:  # noqa: PLR1730 - a call takes longer
-            depth = -gap
-        if n <= 0.0:
-            continue
-        (ax, ay, az), (bx, by, bz), (nx, ny, nz) = own, other, normal
-        (ux, uy, uz), (vx, vy, vz) = first, second
-        fx += n * nx + f1 * ux + f2 * vx
-        fy += n * ny + f1 * uy + f2 * vy
-        fz += n * nz + f1 * uz + f2 * vz
-        px += n * (ax + bx) / 2.0
-        py += n * (ay + by) / 2.0
-        pz += n * (az + bz) / 2.0
-        total += n
-        bearing += 1.0
-    if not points:
-        depth = math.nan
-    if total == 0.0:
-        return (math.nan, math.nan, math.nan, 0.0, 0.0, 0.0, depth, 0.0)
-    return (px / total, py / total, pz / total, fx, fy, fz, depth, bearing)

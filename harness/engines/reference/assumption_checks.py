@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from harness.core.errors import InvalidSettingError
 from harness.engines.reference.to_reference_problem import problem, refusal
-from harness.engines.reference.truth import Truth, sample_truth, truth
+from harness.engines.reference.truth import SCENES, Truth, sample_truth, truth
 from harness.engines.registry import missing_effects
 from harness.engines.stepping.horizon import natural_time
 from models.scene import Scene
@@ -41,7 +41,7 @@ class Divergence:
         return self.lyapunov_time * max(math.log(PARTED / error), 0.0)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=SCENES)
 def check_assumptions(motion: Truth) -> Guard:
     """Return the extremes of the assumed quantities over an exact motion, in N, rad and m."""
     can, gravity = motion.scene.can, motion.scene.gravity
@@ -69,7 +69,7 @@ def may_be_chaotic(scene: Scene) -> bool:
     return off_axis or bool({"shake", "tilt"} & set(scene.effects.declared()))
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=SCENES)
 def divergence_of(scene: Scene) -> Divergence | None:
     """Return how disturbed releases part, of a scene that may be chaotic; None of any other.
 

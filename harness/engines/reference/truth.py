@@ -49,6 +49,10 @@ from reference.smooth.scipy_ivp import SCIPY_METHODS
 MOST = 16
 """Most motions held in memory, each of some megabytes at most."""
 
+SCENES = 256
+"""Most truths held in memory: a full suite holds its runs against eighty, of a scene up to its
+own end and up to those of engines that needed longer."""
+
 
 def _meant(model: str, problem: Problem) -> str:
     """Return the model that "auto" selects; of a rolling rim the name "auto" is the formula."""
@@ -332,7 +336,7 @@ def exact_motion(scene: Scene) -> Truth:
     return solve_case(Case(scene=scene, engine="reference"), again=False)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=SCENES)
 def truth(scene: Scene, seconds: float | None = None) -> Truth:
     """Return the exact motion of a scene, by the smallest model that carries it, and keep it.
 
@@ -353,7 +357,7 @@ def _by(model: str, scene: Scene, seconds: float | None) -> Truth:
     return solve_case(case, seconds, again=False)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=SCENES)
 def sample_truth(motion: Truth) -> Trajectory:
     """Return an exact motion on its own grid, and keep it: each case of a scene is held to it."""
     return motion.at(motion.grid())

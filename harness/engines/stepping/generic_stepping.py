@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from harness.core.trajectory import Floats
+from harness.core.trajectory import Floats, Integers
 from harness.engines.stepping.recording import Chunk, SamplingInterval, trajectory_of
 from harness.engines.stepping.schedule import Schedule, Stage
 from harness.engines.world import Contact, World
@@ -36,7 +36,7 @@ class StageReader(Protocol):
 def step_by_stages(reader: StageReader, schedule: Schedule, size: int) -> Iterator[Chunk]:
     """Step by a schedule from where a world is, yielding after `size` steps or more.
 
-    While a schedule says that the can falls, stage follows stage without a look between.
+    While a schedule says that the run cannot be over yet, stage follows stage without a look.
     """
     # the schedule is asked after a chunk was seen: what is seen may change what comes
     sound = True
@@ -118,10 +118,16 @@ class _WorldReader:
         self._world.set_timestep(stage.timestep)
         places, spans = take_stage(stage, self._sampling, self._read_and_step, self._skip)
         self._times += stage.times[places].tolist()
-        self._spans += spans
+        self._spans += spans.tolist()
         return self._sound
 
-    def _read_and_step(self) -> tuple[Sequence[float], Sequence[float]]:
+    def _read_and_step(self, steps: int) -> tuple[Sequence[float], Sequence[float]]:
+        """Read so many steps, one or more; return quaternion (scalar last) and spin of the last."""
+        for _ in range(steps):
+            state = self._read_one()
+        return state
+
+    def _read_one(self) -> tuple[Sequence[float], Sequence[float]]:
         """Keep the state, step, keep the contact; return quaternion (scalar last) and spin."""
         world = self._world
         try:
@@ -176,9 +182,9 @@ class _WorldReader:
 def take_stage(
     stage: Stage,
     sampling: SamplingInterval | None,
-    read_and_step: Callable[[], tuple[Sequence[float], Sequence[float]]],
+    read_and_step: Callable[[int], tuple[Sequence[float], Sequence[float]]],
     skip: Callable[[int], object],
-) -> tuple[list[int], list[int]]:
+) -> tuple[Integers, Integers]:
     """Take the steps of a stage, and read as many as the recorder needs.
 
     Parameters
@@ -187,14 +193,14 @@ def take_stage(
     sampling : SamplingInterval or None
         Of the run; None reads every step.
     read_and_step : callable
-        Keeps the state, takes a step and keeps the contact that it solved. Returns the quaternion,
-        scalar last, and the angular velocity of that state.
+        Keeps the state, takes a step and keeps the contact that it solved, so many times, one or
+        more. Returns the quaternion, scalar last, and the angular velocity of the last state kept.
     skip : callable
         Takes so many steps and keeps nothing.
 
     Returns
     -------
-    places, spans : list of int
+    places, spans : ndarray of int, shape (n,)
         Which of the steps were read, and for how many steps each stands, its own the first.
     """
     count, last, timestep = len(stage.times), stage.ahead - 1, stage.timestep
@@ -202,15 +208,16 @@ def take_stage(
     if place > 0:
         skip(min(place, count))
     if sampling is None or not sampling.spare(timestep):
-        places = list(range(place, count))
-        for _ in places:
-            read_and_step()
+        every = np.arange(min(place, count), count)
+        if len(every) > 0:
+            read_and_step(len(every))
         if sampling is not None:
             sampling.left = max(place - count, 0)
-        return places, [1] * len(places)
-    places, spans = [], []
+        return every, np.ones(len(every), dtype=np.int64)
+    places: list[int] = []
+    spans: list[int] = []
     while place < count:
-        quaternion, spin = read_and_step()
+        quaternion, spin = read_and_step(1)
         after = place + 1
         if place < last:
             # the last step of all is read, whatever the motion
@@ -221,4 +228,4 @@ def take_stage(
             skip(min(after, count) - place - 1)
         place = after
     sampling.left = place - count
-    return places, spans
+    return np.array(places, dtype=np.int64), np.array(spans, dtype=np.int64)

@@ -33,6 +33,7 @@ from harness.engines.stepping.horizon import countable, longest_time, natural_ti
 from harness.engines.stepping.recording import SAMPLES_IN_TIME, Chunk, SamplingInterval, record
 from harness.engines.stepping.schedule import (
     LARGEST_SHARE,
+    RISE_MARGIN,
     SMALLEST_SHARE,
     Adaptive,
     Fixed,
@@ -47,10 +48,6 @@ from models.rim import released
 
 SHORTEST = 0.05
 """Natural times sqrt(R/g) between two looks where the end is near, or nothing is known yet."""
-
-_MARGIN = 1.01
-"""Share of the fall that the rise is given, and what shows that it is over: an engine's bounce is
-symmetric but for its own errors."""
 
 
 class HorizonPrediction:
@@ -98,7 +95,7 @@ class HorizonPrediction:
         since = self._now - self._turned
         if self._rising:
             # a rise takes as long as the fall
-            left = _MARGIN * (self._fall + self._seen_falling) - since
+            left = RISE_MARGIN * (self._fall + self._seen_falling) - since
         else:
             # as long as the fall has taken; half of it where the run may end soon after a rise
             left = since if self._turned == 0.0 else since / 2.0

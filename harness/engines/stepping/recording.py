@@ -131,36 +131,37 @@ class Recorder:
         """Record a chunk that follows the one before; return the places of what is recorded."""
         if len(chunk.quaternions) == 0:
             return np.zeros(0, dtype=np.int64)
-        places = np.flatnonzero(self._keep(chunk.times, chunk.quaternions))
+        places = self._places(chunk.times, chunk.quaternions)
         self._chunk = chunk
         if len(places) > 0:
             self._parts.append(_rows(chunk, places))
         return places
 
-    def _keep(self, time: Floats, quaternion: Floats) -> NDArray[np.bool_]:
-        """Return which of the states the path calls for, shape (n,)."""
+    def _places(self, time: Floats, quaternion: Floats) -> Integers:
+        """Return the places of the states that the path calls for."""
         before, count = self._chunk, len(quaternion)
         # of the chunk before the last state comes first
         late = int(before is not None)
         q = np.empty((4, count + late))
         q[:, late:] = quaternion.T
-        rise = np.empty(count + late)
-        rise[late:] = time[:count]
-        if before is not None:
-            q[:, 0] = before.quaternions[-1]
-            rise[0] = before.times[len(before.quaternions) - 1]
         path = np.empty(count + late)
+        grown = path[1:]
+        np.subtract(time[1:count], time[: count - 1], out=path[1 + late :])
+        if before is not None:
+            last = len(before.quaternions) - 1
+            q[:, 0] = before.quaternions[last]
+            path[1] = time[0] - before.times[last]
         path[0] = self._path
-        np.subtract(rise[1:], rise[:-1], out=path[1:])
-        path[1:] /= self._time_step
-        path[1:] += _path(q) / ANGLE_STEP
+        grown /= self._time_step
+        angles = _path(q)
+        angles /= ANGLE_STEP
+        grown += angles
         # summed from the first step on, not chunk by chunk, so that round-off is that of one chunk
         path.cumsum(out=path)
         self._path = float(path[-1])
         np.floor(path, out=path)
-        keep = np.ones(count, dtype=np.bool_)
-        np.greater(path[1:], path[:-1], out=keep[1 - late :])
-        return keep
+        places: Integers = np.flatnonzero(grown > path[:-1])
+        return places if late else np.concatenate(([0], places + 1))
 
     def trajectory(self, until: float) -> Trajectory | None:
         """Return what is recorded up to a time in s, and the last step in any case."""
@@ -196,20 +197,32 @@ def _path(q: Floats) -> Floats:
     """
     before, after = q[:, :-1], q[:, 1:]
     along, across = before * after, before * after[::-1]  # ww xx yy zz; wz xy yx zw
-    turns = np.abs(across[:2] - across[:1:-1])
-    turns = _over(turns, along[:2] + along[:1:-1])
+    part, total = np.empty((2, 3, before.shape[1]))
+    np.subtract(across[:2], across[:1:-1], out=part[:2])
+    np.add(along[:2], along[:1:-1], out=total[:2])
     tilt = q[1:3] * q[1:3]
     square = tilt[0] + tilt[1]
-    rocked = np.abs(square[1:] - square[:-1])
-    size = np.sqrt(square[1:] * (1.0 - square[1:]))
-    path: Floats = _over(rocked, size) + 2.0 * (turns[0] + turns[1])
+    np.subtract(square[1:], square[:-1], out=part[2])
+    np.subtract(1.0, square[1:], out=total[2])
+    total[2] *= square[1:]
+    np.sqrt(total[2], out=total[2])
+    np.abs(part, out=part)
+    first, second, rocked = _over(part, total)
+    path: Floats = first
+    path += second
+    path *= 2.0
+    path += rocked
     return path
 
 
 def _over(part: Floats, total: Floats) -> Floats:
-    """Return a ratio; pi behind a right angle, or where the can is flat: always worth keeping."""
+    """Return a ratio; pi behind a right angle, or where the can is flat: always worth keeping.
+
+    Writes over the numbers that it is given.
+    """
     if total.size and total.min() > 0.0:  # a masked division takes three times as long
-        return part / total
+        part /= total
+        return part
     return np.divide(part, total, out=np.full_like(part, np.pi), where=total > 0.0)
 
 

@@ -31,6 +31,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from harness.core.bounce import PROMINENCE
 from harness.core.trajectory import Floats
 from harness.engines.base import Setting
 from harness.engines.stepping.recording import SamplingInterval
@@ -44,6 +45,10 @@ SPIN = 0.015
 
 LEAST = 0.01
 """Of ETA, however fast a can spins."""
+
+RISE_MARGIN = 1.01
+"""Share of the fall that the rise is given, and what shows that it is over: an engine's bounce is
+symmetric but for its own errors."""
 
 ETA_SETTING = Setting(
     "eta",
@@ -130,7 +135,8 @@ class Fixed(Schedule):
         breaks at once is seen at once.
     fall : int, optional
         Most steps from the release on for which `falls` may hold. A rise takes as long as the fall
-        before it, so that a can that has done nothing but fall goes on for as long again.
+        before it, so that a can that has done nothing but fall goes on for as long again. Once it
+        rises, its height and rate tell how long it rises still.
     """
 
     def __init__(
@@ -139,17 +145,22 @@ class Fixed(Schedule):
         self.largest = timestep
         self.size = size
         self._fall = fall
+        self._fallen: list[tuple[int, float, float]] = []  # steps done, height and its rate
+        self._rise = 0
         self._grown = math.inf if first is None else first
         self._done = 0
         # both ends are recorded; the share absorbs the round-off of the division
         self._total = int(limit / timestep * (1.0 + 1e-12)) + 1
 
     def next(self, quaternion: Sequence[float], angular_velocity: Sequence[float]) -> Stage | None:
-        """Return the next stage; the state does not matter."""
-        del quaternion, angular_velocity
+        """Return the next stage; of the state its release alone matters."""
         if self._done >= self._total:
             return None
-        size = max(self.size, self._done) if 0 < self._done <= self._fall else self.size
+        if not self._fallen:
+            self._fallen.append((0, *_height(quaternion, angular_velocity)))
+        size = self.size
+        if 0 < self._done <= self._fall:
+            size = max(size, self._rise or self._done)
         count = int(min(size, self._grown, self._total - self._done))
         self._grown *= 4
         # counted, not summed: an engine's own clock drifts by round-off
@@ -159,13 +170,41 @@ class Fixed(Schedule):
         return Stage(timestep=self.largest, times=times, ahead=ahead)
 
     def falls(self, quaternion: Sequence[float], angular_velocity: Sequence[float]) -> bool:
-        """Whether the can has done nothing but fall, and may for as many steps again."""
-        w, x, y, z = quaternion
-        o_x, o_y, _ = angular_velocity
-        rising = (x * o_x + y * o_y) * w + (x * o_y - y * o_x) * z  # 2 d(sin(phi/2)^2)/dt
-        if not rising < 0.0 or 2 * self._done > self._fall:
+        """Whether the can has done nothing but fall, and may for as many steps again, or rises."""
+        if not self._fall:
+            return False
+        height, rate = _height(quaternion, angular_velocity)
+        since, above, fell = self._fallen[-1]
+        # a fall that goes on faster and faster would have come to the ground: another one is seen
+        falling = 0.0 < -fell * self.largest * (self._done - since) < above or not since
+        ahead = 0
+        if rate > 0.0 and not self._rise:
+            # a stage to the end of the first rise; what follows is seen before it is stepped
+            ahead = self._rise = self._left_of_rise(height, rate)
+        elif rate < 0.0 and not self._rise and height < above and falling:
+            ahead = self._done
+            self._fallen.append((self._done, height, rate))
+        if not 0 < ahead <= self._fall - self._done:
             self._fall = 0
         return self._fall > 0
+
+    def _left_of_rise(self, height: float, rate: float) -> int:
+        """Return the steps of a rise that are left, and those that show its end; 0 if unknown.
+
+        The rise is the fall backwards: it takes as long as the fall took to this height, which lies
+        between two of the stages. There the acceleration is taken as constant, which does not hold
+        where the can is about to turn: then nothing is told.
+        """
+        higher = [one for one in self._fallen if one[1] > height]
+        lower = [one for one in self._fallen if one[1] < (1.0 - PROMINENCE) * self._fallen[0][1]]
+        if not higher or not lower or rate < -0.5 * higher[-1][2]:
+            return 0
+        (_, top, released), (since, above, fell) = higher[0], higher[-1]
+        left = since + 2.0 * (above - height) / ((rate - fell) * self.largest)
+        # in steps: 1% of the height below the top, of a fall that begins at rest there
+        slowing = (released - lower[0][2]) / lower[0][0]
+        shown = (math.sqrt(2.0 * PROMINENCE * top * slowing / self.largest) - released) / slowing
+        return math.ceil(RISE_MARGIN * (self._done + left + shown)) - self._done
 
 
 class Adaptive(Schedule):
@@ -247,6 +286,15 @@ def _axis(quaternion: Sequence[float]) -> tuple[float, float, float]:
     """Return the can's axis in the world."""
     w, x, y, z = quaternion
     return 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
+
+
+def _height(quaternion: Sequence[float], angular_velocity: Sequence[float]) -> tuple[float, float]:
+    """Return sin(phi/2) and its derivative in time, 1/s; zero where the can is flat."""
+    w, x, y, z = quaternion
+    o_x, o_y, _ = angular_velocity
+    height = math.sqrt(x * x + y * y)
+    rising = (x * o_x + y * o_y) * w + (x * o_y - y * o_x) * z  # d(sin(phi/2)^2)/dt
+    return height, rising / (2.0 * height) if height > 0.0 else 0.0
 
 
 def power_of_two(value: float) -> float:

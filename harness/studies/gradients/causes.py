@@ -3,11 +3,11 @@
 A central difference of f over the step s is d(s) = (f(+s) - f(-s))/(2s). Long steps leave the
 linear range of f: where f bends, the error of d grows as the square of the step (truncation); where
 f is bounded and its derivative is large, f(+s) - f(-s) no longer grows with s and d falls as 1/s
-(saturation; chaos where the derivative grew exponentially). Short steps drown in the digits of f:
-the error grows as 1/s with no sign that lasts (round-off, or the roughness of an iterative solver).
-Or f has jumps, from one choice of steps or of contacts to the next: between two jumps short
-differences agree with each other on a derivative that is not that of the motion, and over one jump
-f(+s) - f(-s) is as large as the jump however short the step is.
+(saturation; chaos where the derivative grew exponentially). Short steps drown in the digits of f
+(round-off). Where f(+s) - f(-s) is far above round-off and as large at a step a hundredth as long,
+f is not continuous there. All else that is wrong at short steps has one name, since differences do
+not tell its two causes apart: a ripple of f, from one choice of steps or contacts to the next, and
+a motion of the engine that has another derivative at this timestep.
 """
 
 import math
@@ -25,11 +25,9 @@ class Takeover(Enum):
     """What makes a difference wrong; the value is a sentence."""
 
     ROUND_OFF = "round-off: the numbers that are subtracted have no more digits"
-    ROUGHNESS = "roughness: the run repeats a number only to some digits, fewer than it has"
-    JUMPS = (
-        "jumps: choices of steps or contacts change between runs, and short steps see one of them"
-    )
-    TIMESTEP = "timestep: the motion at this timestep has another derivative"
+    DISCONTINUITY = "discontinuity: the numbers that are subtracted stay apart at shorter steps"
+    RIPPLE = "ripple or timestep: the run bends with its steps, or has another derivative"
+    STIFFNESS = "stiffness: the step is long beside the depth to which the contact gives way"
     TRUNCATION = "truncation: the change bends within the step"
     SATURATION = "saturation: the change is no longer in proportion to the step"
     CHAOS = "chaos: disturbances grow exponentially, and a longer step leads to another motion"
@@ -65,7 +63,10 @@ _RUN = 2
 """Neighbouring steps that are right, so that none of them is by chance."""
 
 _LEVEL = 4.0
-"""Factor within which what is subtracted is level, while the steps grow tenfold or more."""
+"""Factor within which what is subtracted is level, while steps change tenfold or more."""
+
+_TENFOLD = 10.0 * (1.0 - SETTLED)
+"""Steps are told with two digits."""
 
 _ROUND_OFF = 1e-12
 """Noise of a quantity, over the quantity, up to which it is round-off."""
@@ -112,22 +113,16 @@ def short_cause(
     if s.size < _FEWEST or wrong == s.size:
         return None
     s, d = s[wrong:], d[wrong:]
-    change = np.abs(d - exact) * 2.0 * s * unit  # of the quantity, beyond what is exact
-    settles = _longest_plateau(d)
-    if settles is not None:
-        if wrong == 0 and settles[0] == 0:
-            return Cause(takeover=Takeover.TIMESTEP, step=float(s[0]))
-        return Cause(
-            takeover=Takeover.JUMPS if wrong else Takeover.TIMESTEP,
-            step=float(s[0] if wrong else s[settles[0]]),
-        )
-    same_sign = bool(np.all(d[-_FEWEST:] > 0) or np.all(d[-_FEWEST:] < 0))
-    tail = change[-_FEWEST:]
-    if same_sign and tail.size == _FEWEST and tail.max() <= (1.0 + SETTLED) * tail.min():
-        return Cause(takeover=Takeover.JUMPS, step=float(s[0]))
+    plateau = _longest_plateau(d)
+    step = float(s[0] if wrong or plateau is None else s[plateau[0]])
+    tail = (np.abs(d - exact) * 2.0 * s * unit)[-_FEWEST:]  # of the quantity, beyond what is exact
     noise = float(np.median(tail)) / size if size else math.inf
-    kind = Takeover.ROUND_OFF if noise <= _ROUND_OFF else Takeover.ROUGHNESS
-    return Cause(takeover=kind, step=float(s[0]))
+    level = tail.size == _FEWEST and tail.max() <= _LEVEL * tail.min()
+    if plateau is None and noise <= _ROUND_OFF:
+        return Cause(takeover=Takeover.ROUND_OFF, step=step)
+    if level and noise > _ROUND_OFF and s[-_FEWEST] >= _TENFOLD * s[-1]:
+        return Cause(takeover=Takeover.DISCONTINUITY, step=step)
+    return Cause(takeover=Takeover.RIPPLE, step=step)
 
 
 def long_cause(
@@ -156,13 +151,10 @@ def long_cause(
     if good is None or good[0] == 0 or exact == 0.0:
         return None
     s, d = s[: good[0]], d[: good[0]]
-    change = np.abs(d) * s
-    # linear, the numbers that are subtracted would be apart by |exact| s
-    falls = np.abs(d[0]) < _LOST * abs(exact)
-    level = change[0] <= _LEVEL * change[-1] and s[0] >= 10.0 * s[-1] * (1.0 - SETTLED)
+    change = np.abs(d) * s  # of the numbers that are subtracted; linear, it would be |exact| s
     if chaotic and growth >= _GROWN:
         takeover = Takeover.CHAOS
-    elif falls and (level or s.size == 1):
+    elif change[0] < _LOST * abs(exact) * s[0] and change[0] <= _LEVEL * change[-1]:
         takeover = Takeover.SATURATION
     else:
         takeover = Takeover.TRUNCATION
@@ -177,6 +169,41 @@ def _known(
     ]
     s, d = np.array(pairs, dtype=np.float64).reshape(-1, 2).T
     return s, d, np.abs(d - exact) / scale
+
+
+def own_causes(errors: Sequence[float | None], *, right: float) -> list[Takeover | None]:
+    """Return what is wrong with an engine's own differences at each of their steps.
+
+    Where a shorter step has less than half the error, the step leaves the contact that it
+    differentiates (stiffness). Where only a longer one has, it is round-off. Else it is what no
+    step changes.
+
+    Parameters
+    ----------
+    errors : sequence of float or None, length n
+        Relative, of steps from long to short; None where the engine has no number.
+    right : float
+        Relative error up to which a derivative is right.
+
+    Returns
+    -------
+    list of Takeover or None
+        None where the derivative is right or not known.
+    """
+    found: list[Takeover | None] = []
+    for place, error in enumerate(errors):
+        if error is None or error <= right:
+            found.append(None)
+            continue
+        shorter, longer = (
+            any(each is not None and each < error / 2.0 for each in side)
+            for side in (errors[place + 1 :], errors[:place])
+        )
+        if shorter:
+            found.append(Takeover.STIFFNESS)
+        else:
+            found.append(Takeover.ROUND_OFF if longer else Takeover.RIPPLE)
+    return found
 
 
 def longest_run(right: NDArray[np.bool_]) -> tuple[int, int] | None:

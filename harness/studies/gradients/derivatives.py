@@ -24,7 +24,7 @@ from harness.evaluation.evaluate import check_case, simulate_case
 from harness.evaluation.evaluation import Record
 from harness.execution.worker import LostTaskError
 from harness.metrics import quantities
-from harness.metrics.bounces import bounces
+from harness.metrics.bounces import bounces, hermite
 from harness.metrics.motion import motion
 from harness.studies.gradients.design import (
     KEYS,
@@ -102,11 +102,7 @@ def nutations(trajectory: Trajectory | None, scene: Scene) -> dict[str, float | 
         if share > _PAST_THE_LAST:
             found[name] = None
             continue
-        left, end = run.angles.phi[right - 1], run.angles.phi[right]
-        rises = width * run.angles.phi_dot[right - 1], width * run.angles.phi_dot[right]
-        bend = 3.0 * (end - left) - 2.0 * rises[0] - rises[1]
-        twist = rises[0] + rises[1] - 2.0 * (end - left)
-        value = float(left + share * (rises[0] + share * (bend + share * twist)))
+        value = hermite(run.angles.phi, run.angles.phi_dot, right - 1, share, width)
         found[name] = value if math.isfinite(value) else None
     return found
 
@@ -210,8 +206,7 @@ def _numbers_of_motion(trajectory: Trajectory, scene: Scene) -> Numbers:
 
 
 def _no_derivatives(case: Case, error: LostTaskError) -> Record:
-    del case
-    return {"slopes": {}, "why": dict.fromkeys(QUANTITIES, error.reason)}
+    return {"slopes": {}, "why": dict.fromkeys(quantities_of(case.scene), error.reason)}
 
 
 def _lost_own(case: Case, error: LostTaskError) -> Record:

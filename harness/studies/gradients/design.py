@@ -1,4 +1,4 @@
-"""What is run: small changes of a scene, up and down, by steps over nine decades.
+"""What is run: small changes of a scene, up and down, by steps over eight decades.
 
 A change is relative to the number that is changed; of a rate that is zero, to sqrt(g/R). A can that
 is released at rest in phi starts its first bounce there: a change of that rate alone would make

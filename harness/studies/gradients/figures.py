@@ -176,7 +176,8 @@ def own_figures(scene: str, own: Sequence[OwnDerivative]) -> Iterator[Figure]:
             mine = [e for e in judged if e.base is base and e.quantity == quantity]
             for key, settings in dict.fromkeys((each.key, each.settings) for each in mine):
                 of_key = [e for e in mine if (e.key, e.settings) == (key, settings)]
-                series.append(_own_series(f"{engine}, {key}", of_key))
+                name = f"{engine}, {key.removeprefix('release.')}"  # a longer one does not fit
+                series.append(_own_series(name, of_key))
         panels.append(
             Panel(
                 title=label_of(quantity),

@@ -1,8 +1,8 @@
 """What the differences of one case say of one number: error by step, parts, and the verdict."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -10,7 +10,14 @@ import numpy as np
 
 from harness.core.case import Case
 from harness.core.verdict import Status, Verdict
-from harness.studies.gradients.causes import Cause, long_cause, longest_run, short_cause
+from harness.studies.gradients.causes import (
+    Cause,
+    Takeover,
+    long_cause,
+    longest_run,
+    own_causes,
+    short_cause,
+)
 from harness.studies.gradients.design import unit_of
 from harness.studies.gradients.fit import ErrorOfSteps, fit_errors
 
@@ -256,6 +263,8 @@ class OwnDerivative:
         Likewise; None where there is no exact derivative.
     why : str
         Why the engine or the reference has no number.
+    cause : Takeover or None
+        What is wrong at this step; None where it is right or not judged.
     """
 
     base: Case
@@ -267,6 +276,12 @@ class OwnDerivative:
     exact: float | None
     scale: float | None
     why: str
+    cause: Takeover | None = None
+
+    @property
+    def same(self) -> tuple[object, ...]:
+        """What is equal of one derivative by several steps."""
+        return self.base, self.settings, self.key, self.quantity
 
     @property
     def error(self) -> float | None:
@@ -282,3 +297,20 @@ class OwnDerivative:
         if error is None or self.value is None or self.exact is None:
             return Verdict(Status.NOT_JUDGED, f"not judged: {self.why}")
         return judge(error, wrong_sign=self.value * self.exact < 0.0 and error > NEAR)
+
+
+def with_causes(own: Sequence[OwnDerivative]) -> Iterator[OwnDerivative]:
+    """Yield derivatives of engines with what is wrong, which their other steps tell."""
+    errors: dict[tuple[object, ...], list[float | None]] = {}
+    for each in own:
+        errors.setdefault(each.same, []).append(each.error)
+    causes = {same: iter(own_causes(ladder, right=RIGHT)) for same, ladder in errors.items()}
+    for each in own:
+        yield replace(each, cause=next(causes[each.same]))
+
+
+def over_step(up: float | None, down: float | None, step: float) -> float | None:
+    """Return a difference over its step; None if an end is not known."""
+    if up is None or down is None or not math.isfinite(up - down):
+        return None
+    return (up - down) / step

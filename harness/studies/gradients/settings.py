@@ -14,6 +14,12 @@ from harness.studies.gradients.design import SETTING_STEPS, GradientPlan, with_s
 _STILL = 0.01
 """Change of a quantity over that of a setting, both relative, up to which it is of the motion."""
 
+_PERCENT = SETTING_STEPS[0]
+"""The step that is told: a percent."""
+
+_DISAGREE = 1.0
+"""Spread of the derivatives of three steps from which on they are none."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SettingChange:
@@ -39,38 +45,47 @@ class SettingChange:
     values: Mapping[float, float | None]
 
     @property
-    def settled(self) -> float | None:
-        """The middle one of the derivatives that are known: neither jumps nor bends decide."""
-        known = sorted(value for value in self.values.values() if value is not None)
-        return known[len(known) // 2] if known else None
+    def by_percent(self) -> float | None:
+        """The derivative by a step of one percent."""
+        return self.values.get(_PERCENT)
 
     @property
     def per_percent(self) -> float | None:
-        """Change of the quantity by one percent of the setting, in its unit."""
-        return None if self.settled is None else 0.01 * self.settled
+        """Change of the quantity by one percent of the setting, in its unit, as it was run."""
+        return None if self.by_percent is None else _PERCENT * self.by_percent
 
     @property
     def per_decade(self) -> float | None:
         """Change by a factor of ten if it went on like that, over the exact quantity."""
-        if self.settled is None or not self.size:
+        if self.by_percent is None or not self.size:
             return None
-        return math.log(10.0) * self.settled / self.size
+        return math.log(10.0) * self.by_percent / self.size
 
     @property
     def spread(self) -> float | None:
-        """Largest less smallest of the derivatives over the middle one; large where f has jumps."""
+        """Largest less smallest of the derivatives, over that by a percent."""
         known = [value for value in self.values.values() if value is not None]
-        return (max(known) - min(known)) / abs(self.settled) if self.settled else None
+        return (max(known) - min(known)) / abs(self.by_percent) if self.by_percent else None
 
     @property
     def verdict(self) -> Verdict:
-        """Whether the quantity is that of the motion, or also of the setting."""
-        if self.settled is None or not self.size:
+        """Whether the quantity is that of the motion, or also of the setting.
+
+        Where the steps disagree on the derivative it is not judged, unless all say next to nothing.
+        """
+        known = [abs(value) for value in self.values.values() if value is not None]
+        if self.by_percent is None or not self.size > 0.0:
             return Verdict(Status.NOT_JUDGED, "not judged: the run has no such quantity")
-        share = abs(self.settled) / self.size
+        share = abs(self.by_percent) / self.size
         words = (
             f"one percent of it moves the quantity by {share:.2g} %; of the exact motion by none"
         )
+        if max(known) / self.size <= _STILL:
+            return Verdict(Status.AGREES, words)
+        if self.spread is None or self.spread > _DISAGREE:
+            return Verdict(
+                Status.NOT_JUDGED, f"not judged: steps disagree on the derivative; {words}"
+            )
         return Verdict(Status.AGREES if share <= _STILL else Status.DEVIATES, words)
 
 
@@ -122,6 +137,6 @@ SETTINGS_COLUMNS = (
     Column("quantity", "Quantity of the first bounce; the unit is its suffix."),
     Column("per_percent", "Change by one percent of the setting, in the unit of the quantity."),
     Column("per_decade", "Change by a factor of ten if it went on, over the exact quantity."),
-    Column("spread", "Of the derivatives at three steps, over the middle one.", shown=False),
+    Column("spread", "Of the derivatives at three steps, over that by a percent.", shown=False),
     Column("verdict", "Whether the setting moves the quantity; the exact derivative is zero."),
 )

@@ -9,10 +9,11 @@ from harness.core.report_model import Artefact, Column, Prose
 from harness.engines.ladder import rung_of, spelled
 from harness.evaluation.evaluation import Record
 from harness.metrics.convergence import observed_order
-from harness.studies.gradients.derivatives import CHANGING, EXACT, OWN, PROGRAM, exact_numbers
+from harness.studies.gradients.derivatives import CHANGING, EXACT, OWN, PROGRAM, Numbers
 from harness.studies.gradients.design import (
     SETTING_STEPS,
     GradientPlan,
+    instants,
     quantities_of,
     unit_of,
     with_setting,
@@ -26,7 +27,14 @@ from harness.studies.gradients.figures import (
     steady,
     step_figures,
 )
-from harness.studies.gradients.findings import RIGHT, Differences, OwnDerivative, percent
+from harness.studies.gradients.findings import (
+    RIGHT,
+    Differences,
+    OwnDerivative,
+    over_step,
+    percent,
+    with_causes,
+)
 from harness.studies.gradients.settings import SETTINGS_COLUMNS, setting_changes
 from harness.studies.shared.run_columns import scene_table
 from harness.studies.study import Job, Results
@@ -63,6 +71,7 @@ class GradientsStudy:
         plan, runs = self.plan, done.of(CHANGING)
         return [
             Job(EXACT, self._truth),
+            Job(CHANGING, self._truth),
             *(Job(CHANGING, base) for base in plan.settled_bases),
             *(Job(CHANGING, case) for case in plan.cases()),
             *(Job(OWN, base) for base in self._stepping),
@@ -80,7 +89,8 @@ class GradientsStudy:
     def differences(self, done: Results) -> list[Differences]:
         """Return the differences of each quantity by each key at each timestep."""
         plan, runs = self.plan, done.of(CHANGING)
-        exact, size = done.of(EXACT)[self._truth], exact_numbers(plan.scene)
+        exact, size = done.of(EXACT)[self._truth], self._exact_numbers(done)
+        times = instants(plan.scene)
         found = []
         for base in plan.bases:
             for key in plan.keys:
@@ -94,7 +104,7 @@ class GradientsStudy:
                 for quantity in quantities_of(plan.scene):
                     value, unit = size[quantity], unit_of(plan.scene, key)
                     values = {
-                        step: _over(up[quantity], down[quantity], 2.0 * step * unit)
+                        step: over_step(up[quantity], down[quantity], 2.0 * step * unit)
                         for step, (up, down) in ends.items()
                     }
                     found.append(
@@ -105,15 +115,27 @@ class GradientsStudy:
                             exact=exact["slopes"].get(quantity, {}).get(key),
                             size=math.nan if value is None else abs(value),
                             values=values,
-                            chaotic=plan.chaotic,
+                            chaotic=plan.chaotic and quantity in times,
                             why=exact["why"].get(quantity, f"no derivative by {key}"),
                         )
                     )
         return found
 
-    def own(self, done: Results) -> list[OwnDerivative]:
-        """Return the derivatives that engines have of their own."""
-        known = {(d.base, d.key, d.quantity): d for d in self.differences(done)}
+    def _exact_numbers(self, done: Results) -> Numbers:
+        """Return the exact quantities; None each if their task was lost."""
+        numbers: Numbers = done.of(CHANGING)[self._truth]["numbers"]
+        return numbers
+
+    def own(self, done: Results, differences: Sequence[Differences]) -> list[OwnDerivative]:
+        """Return the derivatives that engines have of their own.
+
+        Parameters
+        ----------
+        done : Results
+        differences : sequence of Differences
+            Of the same results: they have the exact derivatives.
+        """
+        known = {(d.base, d.key, d.quantity): d for d in differences}
         found = []
         for base, record in done.of(OWN).items():
             for entry in record["own"]:
@@ -135,16 +157,17 @@ class GradientsStudy:
                                 why=same.why if same.exact is None else unknown,
                             )
                         )
-        return found
+        return list(with_causes(found))
 
     def report(self, done: Results) -> tuple[Artefact, ...]:
         """Return words, figures and tables."""
         scene = self.plan.scene.name
-        differences, own = self.differences(done), self.own(done)
+        differences = self.differences(done)
+        own = self.own(done, differences)
         ladders = tuple(_ladders(differences))
         times = instants_of(differences)
         along = [each for each in differences if each.quantity in times]
-        exact = exact_numbers(self.plan.scene)
+        exact = self._exact_numbers(done)
         settings = tuple(setting_changes(self.plan, done.of(CHANGING), exact))
         return (
             _summary(scene, differences, own),
@@ -162,13 +185,6 @@ class GradientsStudy:
             scene_table(scene, "timesteps", "As the timestep is shortened", _LADDERS, ladders),
             scene_table(scene, "differences", "Each difference", _EACH, _each(differences)),
         )
-
-
-def _over(up: float | None, down: float | None, step: float) -> float | None:
-    """Return a difference over its step; None if an end is not known."""
-    if up is None or down is None or not math.isfinite(up - down):
-        return None
-    return (up - down) / step
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -338,6 +354,11 @@ _OWN = (
     Column("value", "The derivative that the engine gives."),
     _EXACT,
     Column("relative_error", _ERROR, "error"),
+    Column(
+        "cause",
+        "What is wrong at this step, where it is not right.",
+        lambda own: own.cause and own.cause.word,
+    ),
     Column("verdict", "Right, near, wrong, or of the wrong sign."),
 )
 

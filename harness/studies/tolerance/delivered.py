@@ -18,7 +18,7 @@ from harness.engines.stepping.horizon import natural_time
 from harness.evaluation.effort import engine_group, expected_seconds
 from harness.evaluation.evaluate import check_case, evaluate_case
 from harness.evaluation.evaluation import Evaluation, Record
-from harness.execution.worker import LostTaskError
+from harness.execution.worker import Loss, LostTaskError
 from harness.metrics.quantities import turn_error
 from harness.studies.study import Work, record_cache
 from models.scene import Scene
@@ -133,6 +133,14 @@ def _record(case: Case, ending: str, steps: int, error: float | None, reason: st
 
 def _lost(case: Case, error: LostTaskError) -> Record:
     return _record(case, Outcome[error.loss.name].value, 0, None, error.reason)
+
+
+_ENDINGS_LOST = frozenset(Outcome[loss.name].value for loss in Loss)
+
+
+def was_lost(record: Record) -> bool:
+    """Whether the process of a run died or had to be stopped."""
+    return record["ending"] in _ENDINGS_LOST
 
 
 def _manifest(case: Case, record: Record) -> Mapping[str, Any]:

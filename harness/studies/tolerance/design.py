@@ -28,6 +28,7 @@ from harness.engines.stepping.schedule import (
     Adaptive,
 )
 from harness.evaluation.evaluation import Record
+from harness.studies.tolerance.delivered import was_lost
 from models.catalogue import hard_names, load
 from models.scene import Scene
 
@@ -86,6 +87,10 @@ _UNTOLD = 1e-6
 
 _ETA = tuple(float(f"{10.0 ** (-power / 2.0):.2g}") for power in range(2, 13))
 """Half a decade apart, from a tenth of the way in a step: each decade costs ten times the steps."""
+
+TOO_MANY = "too many steps are expected"
+LOST_BEFORE = "the run of a coarser value was lost with its process"
+"""Why finer values are not paid for."""
 
 _TAKEN_DOWN = 1.0 / math.log(2.0)
 """By how much a step is longer than the power of two below it, on average over octaves."""
@@ -281,7 +286,9 @@ class PlannedLadder:
     cases : mapping of float to Case
         By what is asked for, from coarse to fine.
     unpaid : tuple of float
-        Values that are expected to take too many steps.
+        Values that are not run.
+    because : str
+        Why they are not; empty if all are.
     excluded : str
         Why there are no cases at all; empty if the setting can be run.
     """
@@ -290,6 +297,7 @@ class PlannedLadder:
     scene: Scene
     cases: Mapping[float, Case]
     unpaid: tuple[float, ...] = ()
+    because: str = ""
     excluded: str = ""
 
 
@@ -298,23 +306,31 @@ def planned_ladder(
 ) -> PlannedLadder:
     """Return the cases of a setting in a scene: of those done, and of those to be done next.
 
-    A solver's finer values wait for the steps of the coarser ones.
+    A solver's finer values wait for the steps of the coarser ones. After a run that was lost with
+    its process nobody knows how many steps a finer value takes, and none is run.
     """
     ladder = PlannedLadder(knob=knob, scene=scene, cases={}, excluded=excluded(knob, scene))
     if ladder.excluded:
         return ladder
     values = knob.values(suite)
     cases: dict[float, Case] = {}
-    taken: list[tuple[float, int]] = []
+    every: list[tuple[float, int]] = []
+    taken: list[tuple[float, int]] = []  # by runs with an error: one that fell soon took few steps
     waiting = False
     for place, value in enumerate(values):
         if waiting and value < _UNTOLD:
             break
-        if knob.expected_steps(scene, value, taken) > suite.most_steps:
-            return replace(ladder, cases=cases, unpaid=values[place:])
+        if knob.expected_steps(scene, value, taken or every) > suite.most_steps:
+            return replace(ladder, cases=cases, unpaid=values[place:], because=TOO_MANY)
         cases[value] = case = knob.case(scene, value)
-        if case in records:
-            taken.append((value, int(records[case]["steps"])))
-        else:
+        record = records.get(case)
+        if record is None:
             waiting = not knob.adaptive
+        elif was_lost(record):
+            finer = values[place + 1 :]
+            return replace(ladder, cases=cases, unpaid=finer, because=LOST_BEFORE if finer else "")
+        else:
+            every.append((value, int(record["steps"])))
+            if record["error"] is not None:
+                taken.append(every[-1])
     return replace(ladder, cases=cases)

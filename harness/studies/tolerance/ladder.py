@@ -81,7 +81,9 @@ class ToleranceLadder:
     records : mapping of float to Record
         By what was asked for, from coarse to fine.
     unpaid : tuple of float
-        Finer values that were not run, since they are expected to take too many steps.
+        Finer values that were not run.
+    because : str
+        Why they were not; empty if all were.
     excluded : str
         Why nothing was run; empty if something was, or could not be paid for.
     """
@@ -92,6 +94,7 @@ class ToleranceLadder:
     floor: float
     records: Mapping[float, Record]
     unpaid: tuple[float, ...] = ()
+    because: str = ""
     excluded: str = ""
 
     @property
@@ -114,13 +117,18 @@ class ToleranceLadder:
 
     @property
     def saturation(self) -> tuple[float, float] | None:
-        """From which value on the error falls no further, and its level there, rad; or None."""
+        """From which value on the error falls no further, and its level there, rad; or None.
+
+        A coarsest error that is small by chance, where it crosses zero, begins no level: finer
+        errors above round-off are then larger by as much as counts for a fall.
+        """
         known = self.known
         for place, (asked, error) in enumerate(known):
             rest = [each for _, each in known[place:]]
             if asked < _FAR * known[-1][0]:
                 return None
-            if min(rest) * _BUYS >= error:
+            level = place > 0 or max(rest) <= max(_BUYS * error, self.floor)
+            if level and min(rest) * _BUYS >= error:
                 logs = [math.log(max(each, _EPS)) for each in rest]
                 return asked, math.exp(sum(logs) / len(logs))
         return None
@@ -173,12 +181,11 @@ class ToleranceLadder:
         if len(self.known) < _FEWEST:
             return Honesty.UNJUDGED
         level, worst = self.saturation, self.worst_responding
-        if level is not None and level[0] == self.known[0][0]:
-            if level[1] <= self.floor:
-                return Honesty.ROUND_OFF
-            return Honesty.CAUTIOUS if level[1] < self.known[-1][0] else Honesty.IDLE
+        everywhere = level is not None and level[0] == self.known[0][0]
         if level is not None and level[1] > TRUE_WITHIN * max(self.floor, self.known[-1][0]):
-            return Honesty.SATURATES
+            return Honesty.IDLE if everywhere else Honesty.SATURATES
+        if level is not None and everywhere:
+            return Honesty.ROUND_OFF if level[1] <= self.floor else Honesty.CAUTIOUS
         if worst is not None and worst > TRUE_WITHIN:
             return Honesty.OPTIMISTIC
         if worst is None or worst < MUCH_LESS:

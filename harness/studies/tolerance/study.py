@@ -69,6 +69,7 @@ class ToleranceStudy:
                 floor=exact[plan.scene][1],
                 records={asked: records[case] for asked, case in plan.cases.items()},
                 unpaid=plan.unpaid,
+                because=plan.because,
                 excluded=plan.excluded,
             )
             for plan in self._planned(done)
@@ -147,7 +148,7 @@ def _rows(ladders: Sequence[ToleranceLadder]) -> Iterator[dict[str, object]]:
                 "engine": each.knob.engine,
                 "scene": each.scene.name,
                 "asked": asked,
-                "reason": "not paid for: too many steps are expected",
+                "reason": f"not paid for: {each.because}",
             }
 
 
@@ -155,7 +156,7 @@ _SETTING = Column("setting", "The setting that asks for an accuracy.", "knob.nam
 _ENGINE = Column("engine", "Name of the engine.", "knob.engine")
 _SCENE = Column("scene", "Name of the hard case.", "scene.name")
 _SLOPE = "Slope of log delivered over log asked, where the error responds; 1 is in proportion."
-_WORST = "Largest delivered error, rad, over what was asked, where the error responds."
+_WORST = "Largest delivered error, rad, over what was asked, of the errors above round-off."
 
 
 def _count(kind: Honesty) -> Column:

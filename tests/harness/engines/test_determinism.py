@@ -35,7 +35,16 @@ def test_again_and_after_other_cases(gentle: Scene, name: str, profile: str) -> 
     case = Case(scene=gentle, engine=name, profile=profile, timestep=1e-3)
     first = engine(name).simulate(case)
     settings: dict[str, dict[str, Value]] = {
-        "pybullet": {"contactBreakingThreshold": 1.0, "contactERP": 0.1, "contactSlop": 1e-4},
+        "pybullet": {  # a client is used again for the worlds of other cases
+            "contactBreakingThreshold": 1.0,
+            "contactERP": 0.1,
+            "contactSlop": 1e-4,
+            "numSubSteps": 4,
+            "constraintSolverType": "CONSTRAINT_SOLVER_LCP_DANTZIG",
+            "numSolverIterations": 3,
+            "enableConeFriction": 0,
+            "frictionERP": 0.5,
+        },
         "dart": {"collisionDetector": "OdeCollisionDetector", "maxSweeps": 2},
         "newton": {"solver": "SolverXPBD", "iterations": 3},
         "physx": {"solverType": "TGS", "frictionOffsetThreshold": 0.04},

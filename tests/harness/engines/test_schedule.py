@@ -1,6 +1,7 @@
 """Steps that follow the motion: the rule itself."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -77,6 +78,34 @@ def test_fixed_times_are_multiples() -> None:
     while (stage := schedule.next((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0))) is not None:
         times += stage.times.tolist()
     assert times == [n * 1e-3 for n in range(11)]
+
+
+def steps_to_the_first_look(phi: Callable[[float], float]) -> int:
+    """Return the steps of a millisecond that are taken of a fall and a rise before a look."""
+
+    def at(time: float) -> tuple[list[float], list[float]]:
+        rate = (phi(time + 1e-6) - phi(time - 1e-6)) / 2e-6
+        spin = angular_velocity(phi(time), 0.0, rate, 0.0, 0.0)
+        return quaternion(phi(time), 0.0, 0.0).tolist(), spin.tolist()
+
+    schedule, done, on = Fixed(1e-3, 100.0, 64, 64, 16384), 0, True
+    while on:
+        stage = schedule.next(*at(done * 1e-3))
+        assert stage is not None
+        done += len(stage.times)
+        on = schedule.falls(*at(done * 1e-3))
+    return done
+
+
+def test_a_rise_is_stepped_to_its_end_without_a_look() -> None:
+    # it falls for a second, rises for one, and shows in a tenth that it has risen
+    end = steps_to_the_first_look(lambda time: 0.2 - 0.19 * (1.0 - abs(1.0 - time)) ** 2)
+    assert 2100 < end < 1.02 * 2100
+
+
+def test_a_can_that_lay_down_is_seen_although_it_still_falls() -> None:
+    end = steps_to_the_first_look(lambda time: max(0.2 - 0.4 * time**2, 0.02 - 0.001 * time))
+    assert end == 1024
 
 
 def test_stages_may_grow_to_their_size_without_a_change_of_the_times() -> None:

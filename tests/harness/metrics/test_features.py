@@ -76,7 +76,7 @@ def test_a_bounce_is_read_off_from_maximum_to_maximum(nearest: float, sign: floa
         assert found.angle_of_turn == pytest.approx(turn, abs=1e-6)
         assert found.rotation_turn == pytest.approx(0.5 * np.pi / RATE - turn, abs=1e-6)
         peak = sign * AMPLITUDE * RATE / nearest / SLOWNESS
-        assert found.peak_psi_dot == pytest.approx(peak, rel=1e-4)  # at a sample beside the peak
+        assert found.peak_psi_dot == pytest.approx(peak, rel=1e-9)  # 1/psi' is a parabola
         assert found.peak_friction_ratio == 0.3 / 1.0
 
 
@@ -106,6 +106,54 @@ def test_of_a_bounce_between_two_samples_the_minimum_is_that_of_the_straight_lin
     # over two samples the ellipse is a straight line to (step RATE)^2, 3e-6
     assert found.phi_min == pytest.approx(nearest, rel=1e-4)
     assert abs(found.time - np.pi / RATE) < 1e-4 * width
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.2, 0.5, 0.8])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_peaks_are_told_between_samples_as_far_apart_as_they_are_wide(
+    offset: float, sign: float
+) -> None:
+    nearest = 4.2e-5
+    width = nearest / AMPLITUDE / RATE  # in which psi' falls to the half
+    near = np.pi / RATE + (np.arange(-400, 400) + offset) * width
+    far = np.linspace(0.3 * np.pi, 1.7 * np.pi, 2001) / RATE
+    time = np.unique(np.concatenate((far[np.abs(far - np.pi / RATE) > 400 * width], near)))
+    rocked = rocking(time, nearest, sign)
+    hump = 0.3 - ((time - np.pi / RATE) / width) ** 2
+    (found,) = bounces(replace(rocked, friction_ratio=hump), CAN)
+    peak = sign * AMPLITUDE * RATE / nearest / SLOWNESS
+    # over two samples the ellipse is a straight line to (width RATE)^2, 2e-6
+    assert found.peak_psi_dot == pytest.approx(peak, rel=1e-5)
+    assert found.peak_friction_ratio == pytest.approx(0.3, rel=1e-9)
+
+
+def test_a_kink_is_as_high_as_its_samples() -> None:
+    time = dense(5e-3, 0.3 * np.pi, 1.7 * np.pi)
+    slipping = np.minimum(0.3, 0.31 - np.abs(time - np.pi / RATE))
+    (found,) = bounces(replace(rocking(time, 5e-3), friction_ratio=slipping), CAN)
+    assert found.peak_friction_ratio == 0.3
+
+
+def test_a_peak_far_above_every_sample_is_not_made_up() -> None:
+    time = dense(5e-3, 0.3 * np.pi, 1.7 * np.pi)
+    rocked = rocking(time, 5e-3)
+    rate = np.ones_like(time)
+    middle = len(time) // 2
+    rate[middle - 1 : middle + 2] = (1.0, 50.0, 20.0)  # a parabola of 1/rate goes below zero
+    (found,) = bounces(replace(rocked, angles=replace(rocked.angles, psi_dot=rate)), CAN)
+    assert found.peak_psi_dot == 50.0
+
+
+@pytest.mark.parametrize("shift", [-1, 1])
+def test_rates_that_lag_behind_the_angles_by_a_step_still_tell_the_extrema(shift: int) -> None:
+    step = 5e-3 / RATE
+    time = np.arange(0.3 * np.pi / RATE, 1.7 * np.pi / RATE, step)
+    rocked = rocking(time, 5e-3)
+    late = np.roll(rocked.angles.phi_dot, shift)
+    shifted = replace(rocked, angles=replace(rocked.angles, phi_dot=late))
+    (found,) = bounces(shifted, CAN)
+    for told, phase in ((found.start, 0.5), (found.time, 1.0), (found.end, 1.5)):
+        assert told == pytest.approx(phase * np.pi / RATE + shift * step, abs=1e-3 * step)
 
 
 def test_a_record_too_coarse_to_count_turns_says_so() -> None:

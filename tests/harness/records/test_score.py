@@ -63,8 +63,9 @@ def test_every_exact_motion_scores_to_round_off(name: str, tmp_path: Path) -> No
     # of a plane that has to pull, the record has no contact points
     locus = errors.contact_locus_rms if e.truth_pulls else errors.contact_locus_hausdorff
     single = (errors.phi_max, errors.rotation_rms, locus)
-    # the reference takes a peak from a parabola through samples that are level to 1e-8
-    assert max(abs(error) for error in (*single, *ratios, *sum(several, ()))) < 1e-11
+    assert max(abs(error) for error in (*single, *sum(several, ()))) < 1e-11
+    # a peak is taken from a parabola through three samples
+    assert max(map(abs, ratios), default=0.0) < 1e-9
 
 
 def test_parquet_is_read_as_text_is(gentle: Scene, tmp_path: Path) -> None:

@@ -11,6 +11,9 @@ from harness.sweep.sequences import points
 
 SEED, DIMENSIONS, COUNT = 7, 3, 5000
 
+_DIGITS = 53
+"""Of base two, of a double below one."""
+
 
 @pytest.fixture(params=["random", "sobol", "halton"])
 def sample(request: pytest.FixtureRequest) -> str:
@@ -36,17 +39,29 @@ def test_any_rows_are_those_of_the_sequence_to_the_bit(sample: str) -> None:
         assert np.array_equal(part, whole[rows.start : rows.stop])
 
 
-@pytest.mark.parametrize("sample", ["random", "halton"])
-def test_the_last_rows_take_neither_the_time_nor_the_memory_of_those_before(sample: str) -> None:
-    last = points(sample, SEED, DIMENSIONS, range(999_999_998, 1_000_000_000))
-    assert np.array_equal(
-        last[1:], points(sample, SEED, DIMENSIONS, range(999_999_999, 1_000_000_000))
-    )
-
-
-def test_a_far_sobol_point_is_the_one_that_scipy_reaches() -> None:
-    far = 3_000_001
-    sequence = qmc.Sobol(d=DIMENSIONS, scramble=True, rng=np.random.default_rng(SEED))
+@pytest.mark.parametrize(("kind", "far"), [(qmc.Sobol, 3_000_001), (qmc.Halton, 300_001)])
+def test_a_far_point_is_the_one_that_scipy_reaches(kind: type[qmc.QMCEngine], far: int) -> None:
+    sequence = kind(d=DIMENSIONS, scramble=True, rng=np.random.default_rng(SEED))
     sequence.fast_forward(far)
-    part = points("sobol", SEED, DIMENSIONS, range(far - 5, far + 1))
+    name = kind.__name__.lower()
+    part = points(name, SEED, DIMENSIONS, range(far - 5, far + 1))
     assert np.array_equal(part[-1:], sequence.random(1))
+
+
+def test_the_last_row_of_a_random_sample_is_reached_by_the_generator_in_halves() -> None:
+    rows = 1_000_000_000
+    bits = np.random.PCG64(SEED)
+    for _ in range(2):  # in two strides, each of half the numbers before the last row
+        bits.advance((rows - 2) * DIMENSIONS // 2)
+    last = points("random", SEED, DIMENSIONS, range(rows - 2, rows))
+    assert np.array_equal(last, np.random.Generator(bits).random((2, DIMENSIONS)))
+
+
+def test_the_last_row_of_a_halton_sample_is_that_of_van_der_corput() -> None:
+    # of base two: the digits of the row in reverse, with those of row zero as the permutation
+    far = 999_999_998
+    (first,) = points("halton", SEED, 1, range(1))
+    shift = np.ldexp(first, _DIGITS).astype(np.int64)
+    for row, point in enumerate(points("halton", SEED, 1, range(far, far + 2)), start=far):
+        mirrored = int(f"{row:0{_DIGITS}b}"[::-1], 2)
+        assert np.ldexp(point, _DIGITS) == float(shift[0] ^ mirrored)

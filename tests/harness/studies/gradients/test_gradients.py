@@ -10,10 +10,17 @@ from harness.cli.commands import app
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.core.report_model import Table
+from harness.core.verdict import Status
+from harness.engines.reference.truth import exact_motion
+from harness.execution.worker import Loss, LostTaskError
+from harness.metrics.bounces import bounces
+from harness.metrics.motion import motion
+from harness.metrics.quantities import QUANTITIES as REGISTRY
 from harness.studies.gradients.derivatives import exact_derivatives, exact_numbers, own_derivatives
 from harness.studies.gradients.design import (
     KEYS,
     QUANTITIES,
+    SETTING_STEPS,
     SUITES,
     instants,
     keys_of,
@@ -23,8 +30,9 @@ from harness.studies.gradients.design import (
     value_of,
     with_setting,
 )
+from harness.studies.gradients.settings import SettingChange
 from harness.studies.gradients.study import GradientsStudy
-from harness.studies.study import run_study
+from harness.studies.study import Results, run_study
 from harness.sweep.parameters import scene_at
 from models import Effects, Slip, load
 
@@ -54,6 +62,28 @@ def test_exact_derivatives_are_those_of_the_exact_motion(
             difference = (more - less) / (2.0 * step)
             scale = abs(more) / unit_of(GENTLE, key)
             assert exact[quantity][key] == pytest.approx(difference, rel=1e-5, abs=1e-6 * scale)
+
+
+def test_what_samples_of_the_exact_motion_say_is_right_at_the_steps_of_an_engine(
+    exact: dict[str, dict[str, float]],
+) -> None:
+    def sampled(key: str, change: float) -> dict[str, float | None]:
+        scene = scene_at(GENTLE, {key: value_of(GENTLE, key) + change})
+        run = exact_motion(scene)
+        times = np.append(np.arange(0.0, run.ends - 1e-4, 3e-4), run.ends)
+        (bounce,) = bounces(motion(run.at(times), scene), scene.can)
+        return {quantity: REGISTRY[quantity].of_bounce(bounce) for quantity in QUANTITIES}
+
+    for key in ("release.phi", "release.psi_dot", "release.theta_dot", "can.a", "can.h"):
+        for relative in (1e-2, 1e-3, 1e-4):
+            step = relative * unit_of(GENTLE, key)
+            up, down = sampled(key, step), sampled(key, -step)
+            for quantity in QUANTITIES:
+                more, less = up[quantity], down[quantity]
+                assert more is not None
+                assert less is not None
+                difference = (more - less) / (2.0 * step)
+                assert difference == pytest.approx(exact[quantity][key], rel=1e-3), (key, quantity)
 
 
 def test_what_is_changed_is_changed_by_its_unit() -> None:
@@ -168,3 +198,36 @@ def test_a_scene_moves_where_its_key_says() -> None:
     for key in SUITES["full"].keys:
         value = value_of(GENTLE, key)
         assert value_of(scene_at(GENTLE, {key: 1.01 * value}), key) == pytest.approx(1.01 * value)
+
+
+def test_a_setting_is_told_by_a_percent_and_judged_where_its_steps_agree() -> None:
+    def change(*values: float) -> SettingChange:
+        return SettingChange(
+            base=TRUTH,
+            setting="timestep",
+            quantity="period_s",
+            value=1.0,
+            size=2.0,
+            values=dict(zip(SETTING_STEPS, values, strict=True)),
+        )
+
+    even = change(0.5, 0.6, 0.4)
+    assert even.per_percent == pytest.approx(0.005)
+    assert even.verdict.status is Status.DEVIATES
+    # steps that see the jumps of a run agree on no derivative
+    assert change(0.5, 0.6, 40.0).verdict.status is Status.NOT_JUDGED
+    assert change(0.0, 0.6, 0.4).verdict.status is Status.NOT_JUDGED
+    # unless there is next to none
+    assert change(1e-6, -1e-3, 1e-4).verdict.status is Status.AGREES
+
+
+def test_without_the_exact_task_the_report_says_why() -> None:
+    study = GradientsStudy(plan=plan_gradients(GENTLE, ("reference",), "own"))
+    lost = LostTaskError(Loss.STOPPED, "it was killed")
+    done = Results()
+    for job in study.next_jobs(done):
+        done = done.joined(job.work, {job.task: job.work.lost(job.task, lost)})
+    assert all(job in done for job in study.next_jobs(done))
+    differences = study.differences(done)
+    assert {str(each.verdict) for each in differences} == {f"not judged: {lost.reason}"}
+    assert study.report(done)

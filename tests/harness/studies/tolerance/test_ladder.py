@@ -41,6 +41,11 @@ def ladder(error: Callable[[float], float | None], reason: str = "it fell") -> T
         (lambda asked: 3.0 * asked + 1e-8, Honesty.SATURATES),
         (lambda _: 1e-3, Honesty.IDLE),
         (lambda _: 5e-15, Honesty.ROUND_OFF),
+        # above round-off, and no more than honest at the finest value
+        (lambda _: 5e-12, Honesty.CAUTIOUS),
+        (lambda _: 1.1e-11, Honesty.IDLE),
+        # at the coarsest value the error crosses zero; finer ones follow what is asked
+        (lambda asked: asked if asked < 5e-3 else 3e-12, Honesty.HONEST),
         (lambda asked: None if asked > 5e-3 else asked, Honesty.LOST),
         (lambda _: None, Honesty.LOST),
     ],

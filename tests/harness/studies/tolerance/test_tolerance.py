@@ -12,15 +12,23 @@ from harness.cli.commands import app
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.core.report_model import Table
+from harness.core.simulation import Outcome
 from harness.core.verdict import Status
+from harness.evaluation.evaluation import Record
+from harness.execution.worker import Loss, LostTaskError
 from harness.studies.study import run_study
-from harness.studies.tolerance.delivered import delivered
+from harness.studies.tolerance.delivered import DELIVERING, delivered
 from harness.studies.tolerance.design import SUITES, knobs, planned_ladder, usable_scenes
 from harness.studies.tolerance.figures import ladder_figures
 from harness.studies.tolerance.ladder import ToleranceLadder, by_setting
 from harness.studies.tolerance.study import ToleranceStudy
 
 TINY = replace(SUITES["quick"], scenes=("gentle-rock", "free-axial", "steady-rolling"), stride=5)
+
+
+def ran(steps: int, error: float | None = 1e-6) -> Record:
+    """Return the record of a run."""
+    return {"steps": steps, "error": error, "ending": Outcome.FINISHED.value}
 
 
 def test_integrators_follow_what_is_asked_of_them_or_work_to_round_off() -> None:
@@ -56,13 +64,39 @@ def test_a_finer_value_waits_for_the_coarser_and_is_left_out_if_steps_grow_too_m
     assert ladder.unpaid == ()
     taken = {1e-3: 100, 1e-4: 120, 1e-5: 150, 1e-6: 200, 1e-7: 400, 1e-8: 800}
     for added in (1e-7, 1e-8):  # 800 steps, if they double again
-        records = {case: {"steps": taken[asked]} for asked, case in ladder.cases.items()}
+        records = {case: ran(taken[asked]) for asked, case in ladder.cases.items()}
         ladder = planned_ladder(knob, scene, suite, records)
         assert tuple(ladder.cases)[-1] == added
-    records = {case: {"steps": taken[asked]} for asked, case in ladder.cases.items()}
+    records = {case: ran(taken[asked]) for asked, case in ladder.cases.items()}
     ladder = planned_ladder(knob, scene, suite, records)  # 1600 steps
     assert tuple(ladder.cases) == tuple(taken)
     assert ladder.unpaid == (1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
+    assert ladder.because == "too many steps are expected"
+
+
+def test_after_a_run_that_lost_its_process_no_finer_value_runs_and_the_rows_say_why() -> None:
+    suite = replace(TINY, stride=1)
+    scene = usable_scenes(suite)[0][0]
+    knob = next(knob for knob in knobs(("reference",), suite) if knob.name == "scipy RK45")
+    first = planned_ladder(knob, scene, suite, {})
+    records = {case: ran(100) for case in first.cases.values()}
+    lost = first.cases[1e-5]
+    records[lost] = DELIVERING.lost(lost, LostTaskError(Loss.HUNG, "it took too long"))
+    ladder = planned_ladder(knob, scene, suite, records)
+    assert tuple(ladder.cases) == (1e-3, 1e-4, 1e-5)
+    assert ladder.unpaid == tuple(float(f"1e-{power}") for power in range(6, 14))
+    assert ladder.because == "the run of a coarser value was lost with its process"
+
+
+def test_steps_of_runs_that_fell_soon_do_not_tell_those_of_finer_values() -> None:
+    suite = replace(TINY, stride=1, most_steps=1000.0)
+    scene = usable_scenes(suite)[0][0]
+    knob = next(knob for knob in knobs(("reference",), suite) if knob.name == "scipy RK45")
+    cases = planned_ladder(knob, scene, suite, {}).cases
+    # at 1e-4 and 1e-5 the can fell after a few steps: from there to 1e-6 they would grow tenfold
+    steps = {1e-3: ran(600), 1e-4: ran(5, None), 1e-5: ran(5, None), 1e-6: ran(700)}
+    records = {case: steps[asked] for asked, case in cases.items()}
+    assert 1e-7 in planned_ladder(knob, scene, suite, records).cases
 
 
 def test_a_setting_that_cannot_be_run_or_paid_for_has_a_row_with_the_reason() -> None:
