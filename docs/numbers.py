@@ -29,8 +29,10 @@ from docs.formatting import (
 )
 from docs.history import history
 from docs.studies import (
+    capabilities,
     derivatives,
     dissipation,
+    effects,
     gradients,
     stability,
     sweep_reduced,
@@ -159,23 +161,6 @@ def compliance() -> dict[str, str]:
         rows.append([label, *(f"{turn[part]:+.2g}" for part in parts)])
     head = ("engine", "softness", "model form", "known to", "discretisation", "total")
     return {"table": markdown(head, rows)}
-
-
-def effects() -> dict[str, str]:
-    """Return by how much each effect changes the turn: exactly, and in each engine."""
-    table = csv("effects/gentle-rock-effects.csv")
-    changes = table.pivot_table(
-        index="effect", columns="engine", values="change_turn_deg", dropna=False, sort=False
-    )
-    strengths = dict(zip(table["effect"], table["strength"], strict=True))
-    known = changes[changes["reference"].notna()]
-    known = known.reindex(known["reference"].abs().sort_values(ascending=False).index)
-    rows = [
-        [f"{str(effect).replace('_', ' ')}, {strengths[effect]}"]
-        + ["cannot" if pd.isna(row[e]) else f"{row[e]:+.4f}" for e in ("reference", *ENGINES)]
-        for effect, row in known.to_dict("index").items()
-    ]
-    return {"table": markdown(("effect, strength", "exact", *ENGINES.values()), rows)}
 
 
 _REBOUND = re.compile(
@@ -376,6 +361,7 @@ SOURCES: Mapping[str, Source] = {
         attribution,
         compliance,
         effects,
+        capabilities,
         restitution,
         rim,
         cost,

@@ -1,11 +1,15 @@
-"""Numbers of the texts on studies: stability, tolerance, gradients, dissipation."""
+"""Numbers of the texts on studies: stability, tolerance, gradients, dissipation, effects."""
 
 import json
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import pandas as pd
 
 from docs.formatting import BASELINE, ENGINES, csv, digits, markdown
+from harness.engines.description import Method
+from harness.studies.effects.plan import FACTORS, HEIGHT
 from harness.studies.tolerance.design import SUITES
 from models.catalogue import hard_names
 
@@ -296,3 +300,51 @@ def dissipation() -> dict[str, str]:
         rows.append([rest["law"], *(f"{p:.4f}" for p in numbers), f"{rest['t_f_s']:.6f}", window])
     head = ("law", "p of the theory", "p, fitted", "flat at, s", "fitted from and to, rad")
     return {"table": markdown(head, rows)}
+
+
+def effects() -> dict[str, str]:
+    """Return by how much each effect changes the turn: exactly, and in each engine."""
+    table = csv("effects/gentle-rock-effects.csv")
+    changes = table.pivot_table(
+        index="effect", columns="engine", values="change_turn_deg", dropna=False, sort=False
+    )
+    strengths = dict(zip(table["effect"], table["strength"], strict=True))
+    known = changes[changes["reference"].notna()]
+    known = known.reindex(known["reference"].abs().sort_values(ascending=False).index)
+    rows = [
+        [f"{effect if '.' in effect else effect.replace('_', ' ')}, {strengths[effect]}"]
+        + ["cannot" if pd.isna(row[e]) else f"{row[e]:+.4f}" for e in ("reference", *ENGINES)]
+        for effect, row in zip(map(str, known.index), known.to_dict("records"), strict=True)
+    ]
+    return {"table": markdown(("effect, strength", "exact", *ENGINES.values()), rows)}
+
+
+def capabilities() -> dict[str, str]:
+    """Return which effect each engine honours, imposes on every scene, or refuses."""
+    found = {
+        told["name"]: told
+        for name in ("capabilities", "capabilities-physx")
+        for told in json.loads((BASELINE / name / "printed.json").read_text())["engines"]
+        if told["installed"] and told["name"] != "reference"
+    }
+    each = [found[name] for name in sorted(found)]
+    rows = [[f"`{key}`", *(_carries(key, told) for told in each)] for key in FACTORS]
+    honoured = {key for key in FACTORS if any(_carries(key, told) != "no" for told in each)}
+    return {
+        "table": markdown(("key", *(told["label"] for told in each)), rows),
+        "nobody": ", ".join(f"`{key}`" for key in FACTORS if key not in honoured),
+        "engines": str(len(each)),
+    }
+
+
+def _carries(key: str, told: Mapping[str, Any]) -> str:
+    """Return in a word what an engine makes of a factor of the study of effects."""
+    if key == HEIGHT:
+        return "no" if told["method"] == Method.CONSTRAINT.value else "yes"
+    words = {
+        (True, True): "yes, and imposes",
+        (True, False): "yes",
+        (False, True): "imposes",
+        (False, False): "no",
+    }
+    return words[key in told["honours"], key in told["imposes"]]

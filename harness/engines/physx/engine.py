@@ -40,7 +40,7 @@ class PhysxEngine(PhysicsEngine[PhysxWorld]):
     mesh_colliders = declared.MESH_COLLIDERS
     variants = declared.VARIANTS
     capabilities = Capabilities(
-        honours=frozenset({"slip", "restitution", "tilt", "damping"}),
+        honours=frozenset({"slip", "tilt", "damping"}),
         imposes={
             "anchors": "friction holds points of the can that it has held before, as long as they "
             "are near the plane",

@@ -46,7 +46,7 @@ def Xform "World"
     {{
         float physics:staticFriction = {mu!r}
         float physics:dynamicFriction = {mu!r}
-        float physics:restitution = {restitution!r}
+        float physics:restitution = 0
     }}
     def Plane "Ground" (
         prepend apiSchemas = ["PhysicsCollisionAPI", "PhysxCollisionAPI", "MaterialBindingAPI"]
@@ -128,7 +128,6 @@ def stage_text(case: Case, chosen: Mapping[str, Value]) -> str:
         down=down.tolist(),
         gravity=size,
         mu=declared_friction(scene),
-        restitution=0.0 if effects.restitution is None else effects.restitution.coefficient,
         shape=shape,
         geometry=geometry,
         mass=can.mass,

@@ -265,8 +265,8 @@ class EffectsPlan:
             effect, _, constant = key.partition(".")
             if effect != name:
                 continue
-            default = next(each.default for each in fields(law) if each.name == constant)
-            value = self.strengths[key] if key in subset else default
+            each = next(field for field in fields(law) if field.name == constant)
+            value: Any = self.strengths[key] if key in subset else each.default
             if isinstance(law, Compliance):
                 law = _of_exponent(law, value, self.scene.can.mass * self.scene.gravity)
             else:
