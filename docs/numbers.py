@@ -15,6 +15,7 @@ from functools import cache
 
 import pandas as pd
 
+from docs.effects import capabilities, compliance, dissipation, effects, restitution
 from docs.field_guide import guide
 from docs.formatting import (
     BASELINE,
@@ -28,14 +29,7 @@ from docs.formatting import (
     markdown,
 )
 from docs.history import history
-from docs.studies import (
-    derivatives,
-    dissipation,
-    gradients,
-    stability,
-    sweep_reduced,
-    tolerance,
-)
+from docs.studies import derivatives, gradients, stability, sweep_reduced, tolerance
 from harness.core.errors import HarnessError
 from harness.engines.registry import description_of, is_constraint
 from harness.execution.atomic_write import write_atomically
@@ -147,69 +141,6 @@ def attribution() -> dict[str, str]:
         rows += [("**as it ships**", f"**{total['as_shipped']:+.2f}**")]
         facts[engine] = markdown((label, "degrees"), rows)
     return facts
-
-
-def compliance() -> dict[str, str]:
-    """Return of each engine the parts of the error of the turn on a contact that gives way."""
-    rows = []
-    for engine, label in ENGINES.items():
-        table = csv(f"compliance-{engine}/soft-rock-{engine}-matched-split.csv")
-        turn = table[table["quantity"] == "turn_deg"].iloc[0]
-        parts = ("softness", "model_form", "limit_uncertainty", "discretisation", "total")
-        rows.append([label, *(f"{turn[part]:+.2g}" for part in parts)])
-    head = ("engine", "softness", "model form", "known to", "discretisation", "total")
-    return {"table": markdown(head, rows)}
-
-
-def effects() -> dict[str, str]:
-    """Return by how much each effect changes the turn: exactly, and in each engine."""
-    table = csv("effects/gentle-rock-effects.csv")
-    changes = table.pivot_table(
-        index="effect", columns="engine", values="change_turn_deg", dropna=False, sort=False
-    )
-    strengths = dict(zip(table["effect"], table["strength"], strict=True))
-    known = changes[changes["reference"].notna()]
-    known = known.reindex(known["reference"].abs().sort_values(ascending=False).index)
-    rows = [
-        [f"{str(effect).replace('_', ' ')}, {strengths[effect]}"]
-        + ["cannot" if pd.isna(row[e]) else f"{row[e]:+.4f}" for e in ("reference", *ENGINES)]
-        for effect, row in known.to_dict("index").items()
-    ]
-    return {"table": markdown(("effect, strength", "exact", *ENGINES.values()), rows)}
-
-
-_REBOUND = re.compile(
-    r"rebound of a declared ([\d.]+)(?: at ([\d.]+) sqrt\(g R\)|, slipping through)"
-)
-
-
-def restitution() -> dict[str, str]:
-    """Return by how much rebounds miss a declared coefficient, by engine, speed and timestep."""
-    misses, largest = dict[str, list[str]](), dict[str, list[str]]()
-    heads = ["coefficient"]
-    for engine, label in ENGINES.items():
-        for name in (f"restitution-{engine}", f"restitution-{engine}-fine"):
-            printed = json.loads((BASELINE / name / "printed.json").read_text())
-            found = dict[str, list[float]]()
-            for finding in printed["findings"]:
-                told = _REBOUND.fullmatch(finding["quantity"])
-                if told is None:
-                    continue
-                miss = finding["value"] - finding["expected"]
-                how = f"{told[2]} sqrt(g R)" if told[2] else "slipping through"
-                found.setdefault(how, []).append(abs(miss))
-                if name == f"restitution-{engine}":
-                    misses.setdefault(told[1], [told[1]]).append(f"{miss:+.4f}")
-            if name == f"restitution-{engine}":
-                heads += [f"{label}, {how}" for how in found]
-            for sizes in found.values():
-                key = f"{label}, {printed['timestep_s']:g} s"
-                largest.setdefault(key, [key]).append(f"{max(sizes):.4f}")
-    hows = [head.partition(", ")[2] for head in heads[1 : 1 + len(found)]]
-    return {
-        "table": markdown(heads, misses.values()),
-        "largest": markdown(("engine, timestep", *hows), largest.values()),
-    }
 
 
 def rim() -> dict[str, str]:
@@ -376,6 +307,7 @@ SOURCES: Mapping[str, Source] = {
         attribution,
         compliance,
         effects,
+        capabilities,
         restitution,
         rim,
         cost,

@@ -1,4 +1,4 @@
-"""Numbers of the texts on studies: stability, tolerance, gradients, dissipation."""
+"""Numbers of the texts on studies: stability, tolerance, gradients, dissipation, effects."""
 
 import json
 import math
@@ -305,19 +305,3 @@ def _chaos(table: pd.DataFrame) -> dict[str, str]:
         "chaos_worst": _share(moving["settled_error"].max()),
         "chaos_until": f"{moving['settled_error'].dropna().index.max():g}",
     }
-
-
-_DISSIPATION = ("film", "boundary-layer", "contour-viscous", "contour-dry", "rolling-resistance")
-
-
-def dissipation() -> dict[str, str]:
-    """Return how a disk comes to rest under each law: exponents of theory and of the motion."""
-    rows = []
-    for name in _DISSIPATION:
-        file = BASELINE / f"dissipation-{name}" / "printed.json"
-        rest = json.loads(file.read_text(encoding="utf-8"))["rest"]
-        window = f"{digits(rest['from_phi_rad'], 2)} to {digits(rest['to_phi_rad'], 2)}"
-        numbers = (rest["exponent_predicted"], rest["exponent"])
-        rows.append([rest["law"], *(f"{p:.4f}" for p in numbers), f"{rest['t_f_s']:.6f}", window])
-    head = ("law", "p of the theory", "p, fitted", "flat at, s", "fitted from and to, rad")
-    return {"table": markdown(head, rows)}

@@ -90,7 +90,7 @@ def _unheld(problem: Problem) -> Choice:
     why = "Declared: compliance; the rim has a depth, and the plane pushes by the law of it."
     if effects.restitution is not None:
         model, given = "unilateral", effects.restitution.coefficient
-        why = f"Restitution {given:g} is declared: a rim that leaves the plane flies, and lands."
+        why = f"With restitution {given:g} a rim that leaves the plane flies, and lands."
     lawful = {"compliance", "restitution"}
     others = [name.replace("_", " ") for name in effects.declared() if name not in lawful]
     why = f"{why} Beside it: {', '.join(others)}." if others else why

@@ -42,7 +42,7 @@ APART = (
 )
 """Why engines of method `CONSTRAINT` have a part of their own in every table."""
 
-FLIGHT = "flight"
+FLIGHT = "release.height"
 """What a scene asks for that releases its can above the plane, as effects are named."""
 
 

@@ -17,7 +17,7 @@ from harness.core.errors import (
 )
 from harness.evaluation.run_cases import run_cases
 from harness.execution.isolated_pool import SerialExecutor, local_executor
-from models import Compliance, Effects, Horizon, Scene
+from models import Effects, Horizon, Scene, Slip
 
 if TYPE_CHECKING:
     from harness.evaluation.evaluation import Evaluation
@@ -77,10 +77,10 @@ def test_no_case_is_no_result() -> None:
 
 def wrong(brief: Scene) -> Sequence[tuple[Case, type[HarnessError]]]:
     """Return cases that are wrong use, with what they raise."""
-    bouncy = replace(brief, effects=Effects(compliance=Compliance(stiffness=1e4)))
+    patch = replace(brief, effects=Effects(slip=Slip(mu=0.3, patch=1e-4)))
     return (
         (Case(scene=brief, engine="ode"), UnknownEngineError),
-        (Case(scene=bouncy, engine="reference"), UnsupportedEffectError),
+        (Case(scene=patch, engine="mujoco"), UnsupportedEffectError),
         (Case(scene=brief, engine="reference", timestep=1e-3), InvalidSettingError),
         (Case(scene=brief, engine="mujoco", options=(("glue", 1),)), UnknownSettingError),
         (Case(scene=brief, engine="mujoco", options=(("cone", "flat"),)), InvalidSettingError),

@@ -61,6 +61,8 @@ class OdeEngine(PhysicsEngine[OdeWorld]):
             "flat contact": "below 4.5e-4 rad the collider has four fixed points of the base, and "
             "none before the middle of the base is in the plane",
             "stabilisation": "a fifth of a penetration is taken away in a step, which adds energy",
+            "rebound": "an impact gives back up to a fifth of its speed, by how far its step goes "
+            "into the plane, where restitution would give back less",
             "gyroscopic term": "taken implicitly, and a free spin loses energy",
         },
     )

@@ -94,11 +94,16 @@ SETTINGS = (
 def imposed_in(case: Case, chosen: Mapping[str, Value]) -> dict[str, float]:
     """Return the rows of parity in which ODE goes its own way, each with its share.
 
-    Friction is a pyramid about the cone; as a force it has any ratio to the load.
+    Friction is a pyramid about the cone; as a force it has any ratio to the load. Of what an impact
+    goes into the plane within its step a share is given back, if that is more than restitution is.
     """
+    rows, law = dict[str, float](), case.scene.effects.restitution
+    erp = float(chosen["ERP"])  # type: ignore[arg-type] # a number
+    if law is not None and law.coefficient < erp:
+        rows["restitution"] = (erp - law.coefficient) / (law.coefficient or 1.0)
     if chosen["friction"] == FORCE:
-        return dict.fromkeys(FRICTIONS, math.inf)
-    return bounded_separately(case.scene)
+        return rows | dict.fromkeys(FRICTIONS, math.inf)
+    return rows | bounded_separately(case.scene)
 
 
 _RIM = ("contacts", RIM)

@@ -346,13 +346,16 @@ def _impact(stand: Stand, coefficient: float) -> Compared:
     world, timestep = stand.world, stand.timestep
     world.place(lowered(stand.touching, -2.5 * _FALLING * timestep), moving(-_FALLING * UP))
     before = after = -_FALLING
+    touched = False
     for _ in range(_FEW):
         world.step()
         twist = world.twist()
         after = float((twist.velocity + np.cross(twist.angular_velocity, stand.offset))[2])
-        if world.contact().force[2] > 0.0:
+        touched = touched or world.contact().force[2] > 0.0
+        if not touched:
+            before = after
+        elif after >= 0.0:  # an engine that looks ahead first lets the rim come to the plane
             break
-        before = after
     # gravity acts in the step of the impact too
     tolerance = stand.known.solved + 2.0 * (stand.scene.gravity * timestep / _FALLING)
     how = f"an impact at {_FALLING:g} m/s, balanced on its rim"

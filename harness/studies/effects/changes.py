@@ -1,18 +1,26 @@
 """Changes and costs of effects in the runs of a plan, and the verdict on each effect."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
 from typing import Any
 
 from harness.core.case import Case
 from harness.core.simulation import Outcome, Simulation
-from harness.engines.registry import engine
+from harness.engines.registry import engine, is_constraint
 from harness.evaluation.evaluation import Evaluation
 from harness.metrics.quantities import QUANTITIES, Number, less
-from harness.studies.effects.plan import EffectsPlan, Subset
-from models.effects import KINDS
+from harness.studies.effects.plan import (
+    FACTORS,
+    HEIGHT,
+    EffectsPlan,
+    Subset,
+    with_factor,
+    without_factor,
+)
+from models.effects import KINDS, constants_of
+from models.errors import ModelError
 
 COUNTS = {
     "turn_deg": 1.0,
@@ -105,7 +113,7 @@ class EffectsResults:
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
         """Each effect in each engine."""
-        return tuple(self._effect(name, kind) for name in self.plan.engines for kind in KINDS)
+        return tuple(self._effect(name, kind) for name in self.plan.engines for kind in FACTORS)
 
     def of_engine(self, engine_name: str) -> tuple[Effect, ...]:
         """Return each effect in one engine."""
@@ -131,12 +139,14 @@ class EffectsResults:
     def _effect(self, engine_name: str, name: str) -> Effect:
         """Return changes, costs and verdict of an effect in an engine."""
         declared = self.plan.declared
-        with_it, without = declared | {name}, declared - {name}
+        with_it = with_factor(declared, name)
+        without = without_factor(with_it, name)
         changes = self._changes(engine_name, with_it, without)
         alone: Mapping[str, Number] = {}
         mean: Mapping[str, Number] = {}
         if name in declared:
-            alone = self._changes(engine_name, frozenset((name,)), frozenset())
+            only = with_factor(frozenset(), name)
+            alone = self._changes(engine_name, only, without_factor(only, name))
             mean = self._mean(engine_name, name) if self.plan.factorial else {}
         verdict, why = self._verdict(engine_name, name, changes)
         run = self.evaluation(engine_name, with_it)
@@ -145,7 +155,7 @@ class EffectsResults:
             engine=engine_name,
             name=name,
             declared=name in declared,
-            strength=_strength(self.plan.strengths[name]),
+            strength=self._strength(name),
             run=None if run is None else run.simulation,
             verdict=verdict,
             why=why,
@@ -164,11 +174,7 @@ class EffectsResults:
 
     def _mean(self, engine_name: str, name: str) -> dict[str, Number]:
         """Return the main effect of a factor: its change, averaged over all sets of the others."""
-        others = sorted(self.plan.declared - {name})
-        rests = [
-            frozenset(other for bit, other in enumerate(others) if number >> bit & 1)
-            for number in range(2 ** len(others))
-        ]
+        rests = self.plan.others(name)
         each = [self._changes(engine_name, rest | {name}, rest) for rest in rests]
         means: dict[str, Number] = {}
         for key in COUNTS:
@@ -201,14 +207,14 @@ class EffectsResults:
         declared, able = self.plan.declared, engine(engine_name).capabilities
         if name not in declared and name in able.imposes:
             return EffectStatus.IMPOSED, f"It cannot be removed: {able.imposes[name]}."
-        if name not in able.honours:
-            return EffectStatus.UNSUPPORTED, f"{engine_name} cannot represent it."
+        able_to = not is_constraint(engine_name) if name == HEIGHT else name in able.honours
+        if not able_to:
+            return EffectStatus.UNSUPPORTED, f"{engine_name} cannot represent {name}."
         if self.evaluation(engine_name, declared) is None:
             why = f"{engine_name} cannot represent what the scene declares."
             return EffectStatus.UNSUPPORTED, why
         if not changes:
-            why = "It cannot be there together with what the scene declares."
-            return EffectStatus.CONTRADICTED, why
+            return EffectStatus.CONTRADICTED, self._contradiction(name)
         return self._weighed(engine_name, name, changes)
 
     def _weighed(
@@ -217,7 +223,9 @@ class EffectsResults:
         """Return the verdict on an effect that is run both ways: how it ends, then how much."""
         declared = self.plan.declared
         matters = EffectStatus.NEEDED if name in declared else EffectStatus.MISSING
-        runs = (self.evaluation(engine_name, s) for s in (declared | {name}, declared - {name}))
+        with_it = with_factor(declared, name)
+        pair = (with_it, without_factor(with_it, name))
+        runs = (self.evaluation(engine_name, subset) for subset in pair)
         ends = [e.simulation.outcome for e in runs if e is not None]
         if Outcome.MISMATCH in ends:
             why = f"What {engine_name} compiles of it is not what is declared."
@@ -236,15 +244,29 @@ class EffectsResults:
                 )
         return (matters if over > 1.0 else EffectStatus.HARMLESS), worst
 
+    def _contradiction(self, name: str) -> str:
+        """Return why a factor cannot be there together with what the scene declares."""
+        try:
+            self.plan.scene_with(with_factor(self.plan.declared, name))
+        except ModelError as error:
+            return f"It cannot be there: {error}."
+        return "Without it what the scene declares cannot be there."
 
-def _strength(law: Any) -> str:  # noqa: ANN401 - a dataclass of `models.effects`
-    """Return the constants of the law of an effect that are not zero."""
-    constants = ((field.name, getattr(law, field.name)) for field in fields(law))
-    return ", ".join(
-        f"{key} = {value if isinstance(value, str) else format(value, 'g')}"
-        for key, value in constants
-        if value
-    )
+    def _strength(self, name: str) -> str:
+        """Return the constants of the law of a factor that are not zero."""
+        if name not in KINDS and "." not in name:
+            return f"{name} = {self.plan.strengths[name]:g}"
+        effect = name.partition(".")[0]
+        among = with_factor(frozenset() if effect != name else self.plan.declared, name)
+        try:
+            constants = constants_of(self.plan.law(effect, among))
+        except ModelError:  # which the verdict tells
+            constants = {name.partition(".")[2]: self.plan.strengths[name]}
+        return ", ".join(
+            f"{key} = {value if isinstance(value, str) else format(value, 'g')}"
+            for key, value in constants.items()
+            if value
+        )
 
 
 def _ratio(runs: Sequence[Evaluation], amounts: Sequence[Number]) -> Number:

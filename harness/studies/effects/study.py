@@ -11,10 +11,9 @@ from harness.core.report_model import Artefact, Column, Figure, Panel, Prose, Se
 from harness.evaluation.case_record import LOST
 from harness.studies.effects.changes import CHANGED, Effect, EffectsResults, EffectStatus
 from harness.studies.effects.friction import friction
-from harness.studies.effects.plan import EffectsPlan
+from harness.studies.effects.plan import FACTORS, EffectsPlan
 from harness.studies.shared import run_columns
 from harness.studies.study import EVALUATION, TIMING, Job, Results, evaluation_jobs
-from models.effects import KINDS
 
 _COUNTS = frozenset({EffectStatus.NEEDED, EffectStatus.MISSING})
 _KNOWN = _COUNTS | {EffectStatus.HARMLESS}
@@ -29,7 +28,7 @@ _COSTS = {
     "cpu_spread": "Longest over shortest processor time of repeats of the noisier run.",
 }
 
-_EFFECT = Column("effect", "Name of the effect, its key in a scene file.")
+_EFFECT = Column("effect", "Key in a scene file: of an effect, a constant of one, or the height.")
 
 _EFFECTS = (
     run_columns.SCENE.of("scene"),
@@ -146,7 +145,7 @@ def sentences(results: EffectsResults) -> tuple[str, ...]:
         if missing
         else "Nothing that is left out would change the outcome."
     )
-    nobody = [name for name in KINDS if name not in known]
+    nobody = [name for name in FACTORS if name not in known]
     if nobody:
         said.append(f"None of these engines can tell what these would do: {', '.join(nobody)}.")
     for engine in plan.engines:
@@ -160,7 +159,7 @@ def sentences(results: EffectsResults) -> tuple[str, ...]:
 
 def bars(results: EffectsResults) -> Figure:
     """Return the largest change of each effect, in units of the change that counts."""
-    plan, names = results.plan, tuple(KINDS)
+    plan, names = results.plan, tuple(FACTORS)
     series = []
     for place, engine in enumerate(plan.engines):
         effects = results.of_engine(engine)

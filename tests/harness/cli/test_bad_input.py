@@ -222,11 +222,23 @@ def test_of_several_faults_each_line_is_a_message_of_its_own(
     assert all(line.startswith(f"rockingcan: scene file '{path}'") for line in lines)
 
 
-def test_an_effect_without_a_reference_is_refused_naming_those_that_can(
-    rockingcan: Command, scene_file: Callable[..., Path]
+@pytest.mark.parametrize(
+    ("law", "key"),
+    [
+        ("[effects.slip]\nmu = 0.3\nmu_static = 0.4", "slip.mu_static"),
+        ("[effects.slip]\nmu = 0.3\npatch = 1e-4", "slip.patch"),
+        ("[effects.compliance]\nstiffness = 1e7\nexponent = 1.5", "compliance.exponent"),
+        ('[effects.restitution]\ncoefficient = 0.5\nlaw = "poisson"', "restitution.law"),
+        ("[effects.contour_friction]\ncoulomb = 1e-3", "contour_friction"),
+        ("[effects.air_film]\nviscosity = 1.8e-5", "air_film"),
+    ],
+)
+def test_what_an_engine_cannot_represent_is_refused_naming_the_key_and_those_that_can(
+    rockingcan: Command, scene_file: Callable[..., Path], law: str, key: str
 ) -> None:
-    path = scene_file(("[effects]", "[effects.compliance]\nstiffness = 1e4"))
-    is_one_clear_message(rockingcan("reference", str(path)), "compliance", able("compliance"))
+    path = scene_file(("[effects]", law))
+    for engine in ("mujoco", "pybullet"):
+        is_one_clear_message(rockingcan("run", str(path), "--engine", engine), key, able(key))
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from harness.execution.cache import CacheFolder
+from harness.studies.effects.plan import FACTORS
 from models import Horizon, load, write_scene
-from models.effects import KINDS
 from tests.faults.journal_check import differing, differing_tables, whole
 from tests.support.command_line import Command
 
@@ -100,7 +100,7 @@ def test_effects_on_a_cluster_are_those_found_here(
     for one in found:
         assert (one["scene"], one["declared"]) == (brief.name, list(brief.effects.declared()))
         assert list(one["engines"]) == ["reference", "mujoco"]
-        assert all(list(effects) == list(KINDS) for effects in one["engines"].values())
+        assert all(list(effects) == list(FACTORS) for effects in one["engines"].values())
         # a plane that is tilted by 11 degrees is felt within 20 ms, and as the same by both
         for engine in ("reference", "mujoco"):
             tilt = one["engines"][engine]["tilt"]

@@ -108,7 +108,7 @@ def test_a_release_above_the_plane_is_refused_with_the_engines_that_have_contact
     lifted = replace(gentle, release=replace(gentle.release, height=0.01))
     with pytest.raises(UnsupportedEffectError) as caught:
         check_effects("exudyn", lifted)
-    assert caught.value.effect == "flight"
+    assert caught.value.effect == "release.height"
     assert "exudyn" not in caught.value.able
     assert set(caught.value.able) <= set(names())
     check_effects("exudyn", replace(gentle, release=replace(gentle.release, height=-0.001)))

@@ -16,6 +16,7 @@ import pytest
 from harness.core.case import Case, Value
 from harness.engines.parity.contact import Stand
 from harness.engines.probes import PROBES
+from harness.engines.probes.impact import rebound
 from harness.engines.registry import engine, export_settings, not_installed, variants
 from harness.engines.stepping.settling import UP, X, Y, above_origin, lowered, moving
 from models import (
@@ -257,6 +258,22 @@ def test_an_impact_gives_back_what_is_declared(gentle: Scene, speed: float) -> N
     for _ in range(4):
         world.step()
     assert float(world.twist().velocity[2]) / speed == pytest.approx(0.5, rel=1e-6)
+
+
+@needs_ode
+@pytest.mark.parametrize("coefficient", [0.0, 0.1])
+def test_a_small_restitution_is_what_the_overlap_of_a_step_gives_back(
+    gentle: Scene, coefficient: float
+) -> None:
+    scene = replace(gentle, effects=Effects(restitution=Restitution(coefficient=coefficient)))
+    case = case_of(scene, 1e-4)
+    assert stepping_engine("ode").imposed_in(case)["restitution"] * (
+        coefficient or 1.0
+    ) == pytest.approx(0.2 - coefficient, rel=1e-12)
+    world = stepping_engine("ode").open(case)
+    # the whole step of the impact is below the plane but a tenth, of which ERP takes a fifth away
+    found = rebound(world, gentle.can, 0.4, (1.0, 0.0, 0.1))
+    assert 0.15 < found < 0.2
 
 
 @needs_ode

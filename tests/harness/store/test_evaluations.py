@@ -21,7 +21,7 @@ from harness.execution.cache_entry import Defect
 from harness.execution.isolated_pool import SerialExecutor
 from harness.execution.tasks import ProgressListener, run_tasks
 from harness.execution.worker import Loss, LostTaskError
-from models import Compliance, Effects, Scene, Slip, Tilt
+from models import Effects, Scene, Slip, Tilt
 from reference import Finding, FindingKind
 
 
@@ -110,9 +110,9 @@ def test_what_is_said_of_the_truth_is_kept_bit_for_bit(
 
 def test_a_real_finding_and_a_real_divergence_are_kept(brief: Scene, tmp_path: Path) -> None:
     tilted = replace(brief, effects=Effects(tilt=Tilt(angle=0.1)))
-    soft = replace(brief, effects=Effects(compliance=Compliance(stiffness=1e4)))
+    sunk = replace(brief, release=replace(brief.release, height=-1e-6))
     store = CacheFolder(folder=tmp_path / "store")
-    wanted = [Case(scene=scene, engine="pybullet", timestep=1e-3) for scene in (tilted, soft)]
+    wanted = [Case(scene=scene, engine="pybullet", timestep=1e-3) for scene in (tilted, sunk)]
     made = run_cases(wanted, store=store)
     assert made[0].divergence is not None
     assert made[1].findings[0].kind is FindingKind.REFUSED

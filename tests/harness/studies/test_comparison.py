@@ -57,8 +57,13 @@ def test_a_suite_runs_every_scene_in_every_engine(suite: str) -> None:
     scenes = {name: load(name) for name in (field_names() if suite == "field" else names())}
     if suite == "quick":  # which leaves those with effects to the full one
         scenes = {name: one for name, one in scenes.items() if not one.effects.declared()}
-    # a scene that no engine can represent is nothing to compare
-    scenes = {name: one for name, one in scenes.items() if not missing_effects("pybullet", one)}
+    # a scene that no engine can represent is nothing to compare, and accepted results are of
+    # motions that keep their contact: the probe of drops tells of impacts
+    scenes = {
+        name: one
+        for name, one in scenes.items()
+        if one.effects.restitution is None and not missing_effects("pybullet", one)
+    }
     assert set(SUITES[suite]) == set(scenes)
     cases = suite_cases(suite, ENGINES, scenes)
     assert len(set(cases)) == len(cases)

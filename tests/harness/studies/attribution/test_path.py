@@ -12,7 +12,7 @@ from harness.core.errors import InvalidSettingError
 from harness.engines.base import TIMESTEP, Engine, Setting, resolve
 from harness.engines.registry import engine
 from harness.studies.shared.ablation import ablation_path, all_gaps
-from models import Compliance, Effects, Scene, Slip
+from models import Effects, Scene, Slip
 
 ENGINES = ("mujoco", "pybullet")
 
@@ -90,10 +90,10 @@ def test_gaps_can_be_put_first(gentle: Scene) -> None:
 
 
 def test_what_has_no_truth_or_no_timestep_is_refused(gentle: Scene) -> None:
-    compliant = replace(gentle, effects=Effects(compliance=Compliance(stiffness=1e4)))
+    sunk = replace(gentle, release=replace(gentle.release, height=-1e-3))
     for scene, name_of_engine, name, value in (
         (gentle, "reference", "--engine", "reference"),
-        (compliant, "mujoco", "SCENE", gentle.name),
+        (sunk, "mujoco", "SCENE", gentle.name),
     ):
         with pytest.raises(InvalidSettingError) as caught:
             ablation_path(scene, name_of_engine)

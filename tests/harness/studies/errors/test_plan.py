@@ -7,7 +7,7 @@ import pytest
 
 from harness.core.errors import InvalidSettingError
 from harness.studies.errors.plan import plan_errors
-from models import Compliance, Effects, Restitution, Scene, Slip, load
+from models import Compliance, Effects, Scene, Slip, load
 
 
 def test_a_setting_tied_to_the_timestep_makes_two_ways(gentle: Scene) -> None:
@@ -41,11 +41,11 @@ def test_ladders_are_run_with_the_solver_converged(gentle: Scene) -> None:
 
 
 def test_what_has_no_limit_is_refused(gentle: Scene) -> None:
-    compliant = replace(gentle, effects=Effects(restitution=Restitution(coefficient=0.5)))
+    sunk = replace(gentle, release=replace(gentle.release, height=-1e-3))
     for scene, name_of_engine, profile, name, value in (
         (gentle, "mujoco", "adaptive", "--profile", "adaptive"),
         (gentle, "reference", "matched", "--engine", "reference"),
-        (compliant, "mujoco", "matched", "SCENE", gentle.name),
+        (sunk, "mujoco", "matched", "SCENE", gentle.name),
     ):
         with pytest.raises(InvalidSettingError) as caught:
             plan_errors(scene, name_of_engine, profile)
