@@ -15,6 +15,7 @@ from reference.analysis.tangent_motion import motion_tangents
 from reference.equations.nonholonomic import nutation_acceleration
 from reference.integrable.derivatives import PULLED, QUANTITIES, batch_tangents
 from reference.integrable.tangents import BY
+from reference.nonsmooth.segments import SegmentsPath
 
 GOLDEN = json.loads((Path(__file__).parent / "golden" / "derivatives.json").read_text())
 RELEASE = ("phi", "phi_dot", "psi_dot", "theta_dot")
@@ -182,6 +183,38 @@ def test_differences_of_motions_with_effects(effects: Effects, names: tuple[str,
         slopes = [known.derivatives[each][known.by.index(name)] for each in QUANTITIES]
         sizes = np.abs(slopes) + np.abs([known.values[each] for each in QUANTITIES])
         assert (np.abs(extrapolated - slopes) / sizes).max() < 1e-7, name
+
+
+@pytest.mark.parametrize(
+    ("slip", "effects", "names"),
+    [
+        ((0.0, 0.0), Effects(drilling=0.03), ("theta_dot", "phi")),
+        ((0.1, 0.05), Effects(mu=0.2), ("theta_dot", "psi_dot")),
+    ],
+    ids=["a turning comes to rest", "a slip comes to rest"],
+)
+def test_a_motion_that_comes_to_rest_on_the_way(
+    slip: tuple[float, float], effects: Effects, names: tuple[str, ...]
+) -> None:
+    """To 1e-9: the law changes, and the disturbance with it, at that instant and not behind it."""
+    problem = Problem(parameters=PAPER_CAN, effects=effects, slip=slip, **ROCK)
+    pieces = path_of(problem).pieces
+    modes = [(piece.mode.slips, piece.mode.turns) for piece in pieces]
+    assert len({*modes}) == 2
+    known = sensitivity(problem)
+    step = 3e-5
+    for name in names:
+        values = [measured(varied(problem, name, k * step)) for k in (-2, -1, 1, 2)]
+        differences = (8 * (values[2] - values[1]) - (values[3] - values[0])) / (12 * step)
+        slopes = [known.derivatives[each][known.by.index(name)] for each in QUANTITIES]
+        sizes = np.abs(slopes) + np.abs([known.values[each] for each in QUANTITIES])
+        assert (np.abs(differences - slopes) / sizes).max() < 1e-9, name
+
+
+def path_of(problem: Problem) -> SegmentsPath:
+    path = solve(problem).path
+    assert isinstance(path, SegmentsPath)
+    return path
 
 
 def test_a_plane_that_never_slips_gives_the_derivatives_of_rolling() -> None:
