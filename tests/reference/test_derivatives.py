@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from reference import PAPER_CAN, Effects, Gravity, Mass, Parameters, Problem, solve
+from reference import PAPER_CAN, Effects, Mass, Parameters, Problem, solve
 from reference.analysis.sensitivity import sensitivity
 from reference.analysis.tangent_motion import motion_tangents
 from reference.equations.nonholonomic import nutation_acceleration
 from reference.integrable.derivatives import PULLED, QUANTITIES, batch_tangents
 from reference.integrable.tangents import BY
 from reference.nonsmooth.segments import SegmentsPath
+from tests.support.varied import RELEASE, tilted, varied
 
 GOLDEN = json.loads((Path(__file__).parent / "golden" / "derivatives.json").read_text())
-RELEASE = ("phi", "phi_dot", "psi_dot", "theta_dot")
 ROCK: dict[str, Any] = {"phi": 0.4, "psi_dot": 0.12, "theta_dot": -0.06, "bounces": 1}
 
 
@@ -118,35 +118,6 @@ def test_many_at_once_are_each_by_itself() -> None:
             assert jets[name].slope[row] == pytest.approx(
                 expected, rel=1e-9, abs=1e-12, nan_ok=True
             )
-
-
-def varied(problem: Problem, name: str, by: float) -> Problem:
-    """Return a problem with one number changed."""
-    effects, mass = problem.effects, problem.effects.mass
-    if name in RELEASE:
-        return replace(problem, **{name: getattr(problem, name) + by})
-    if name in {"a", "c", "h"}:
-        can = replace(problem.parameters, **{name: getattr(problem.parameters, name) + by})
-        return replace(problem, parameters=can)
-    fields = {"slip.mu": "mu", "rolling_resistance.length": "rolling_resistance"}
-    if name in fields:
-        field = fields[name]
-        return replace(problem, effects=replace(effects, **{field: getattr(effects, field) + by}))
-    if name.startswith("point_mass."):
-        assert mass is not None
-        field = name.removeprefix("point_mass.").replace("mass", "share")
-        mass = replace(mass, **{field: getattr(mass, field) + by})
-        return replace(problem, effects=replace(effects, mass=mass))
-    x, y, z = effects.gravity.constant
-    angle, direction = math.atan2(math.hypot(x, y), -z), math.atan2(y, x)
-    angle, direction = angle + by * (name == "tilt.angle"), direction + by * (name != "tilt.angle")
-    return replace(problem, effects=replace(effects, gravity=tilted(angle, direction)))
-
-
-def tilted(angle: float, direction: float) -> Gravity:
-    down = math.sin(angle)
-    level = (down * math.cos(direction), down * math.sin(direction))
-    return Gravity(constant=(*level, -math.cos(angle)))
 
 
 def measured(problem: Problem) -> np.ndarray[Any, np.dtype[np.float64]]:
