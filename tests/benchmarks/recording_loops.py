@@ -63,9 +63,7 @@ def _of_pybullet(world: Any, steps: int) -> None:
         kept += state(*position, *quaternion, *velocity, *spin)
         for point in pybullet.getContactPoints(can, ground, -2, -2, client):
             own, other, normal, distance, force, first, along, second, across = point[5:14]
-            kept += contact(
-                *(*own, *other, *normal, distance, force, first, *along, second, *across)
-            )
+            kept += contact(*own, *other, *normal, distance, force, first, *along, second, *across)
 
 
 _LOOPS = {"MujocoWorld": _of_mujoco, "PybulletWorld": _of_pybullet}
