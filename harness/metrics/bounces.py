@@ -133,10 +133,11 @@ def _peak_rate(time: Floats, rates: Floats, inside: slice) -> float:
     """
     index = inside.start + int(np.argmax(np.abs(rates[inside])))
     largest = float(rates[index])
-    beside = rates[max(index - 1, 0) : index + 2]
+    about = slice(max(index - 1, 0), index + 2)
+    beside = rates[about]
     if len(beside) < _PARABOLA or not np.all(beside * largest > 0.0):
         return largest
-    least = -_vertex(time, -1.0 / np.abs(rates), index)
+    least = -_vertex(time[about], -1.0 / np.abs(beside), 1)
     if least * _MOST_BETWEEN * abs(largest) < 1.0:
         return largest
     return float(np.copysign(1.0 / least, largest))

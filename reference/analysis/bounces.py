@@ -159,6 +159,9 @@ def _peaks(
     at, of = at[finite], of[finite]
     if at.size:
         left, right = times[np.maximum(at - 1, 0)], times[np.minimum(at + 1, times.size - 1)]
+        # no further than the bounce: beyond its maxima is a peak of its neighbour
+        edges = track.times[tops]
+        left, right = np.maximum(left, edges[of]), np.minimum(right, edges[of + 1])
         refined = _refined(path, left, right, quantity, values[at])
         for i, value in zip(of.tolist(), refined.tolist(), strict=True):
             if abs(value) > abs(peak[i]):

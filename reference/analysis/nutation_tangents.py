@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.analysis.tangent_motion import constants, tangent_motion
+from reference.analysis.tangent_motion import UndecidedError, constants, tangent_motion
 from reference.analysis.variational import NUMBER
 from reference.equations.state_vector import LEAN, TIME, Angles
 from reference.integrable.tangents import BY
@@ -33,7 +33,9 @@ def nutation_tangents(problem: Problem, times: Floats) -> tuple[tuple[str, ...],
     by : tuple of str, length k
         What derivatives are taken by.
     rates : ndarray, shape (n,)
-        phi' at the times; not a number after the motion has ended.
+        phi' at the times. Not a number after the motion has ended, in the last steps of a slip
+        that comes to rest (`reference.analysis.variational.ENDING`), and of a motion whose path
+        has no pieces (`reference.nonsmooth.segments.SegmentsPath`).
     slopes : ndarray, shape (n, k)
         Likewise, of phi at the same time.
     """
@@ -48,7 +50,10 @@ def nutation_tangents(problem: Problem, times: Floats) -> tuple[tuple[str, ...],
         if time > solution.t_end:
             break
         number, c = solution.path.place(time)
-        d, f = motion.disturbances(number, c, turns=False), motion.rates(number, c)
+        try:
+            d, f = motion.disturbances(number, c, turns=False), motion.rates(number, c)
+        except UndecidedError:
+            continue  # the law changes here, to round-off
         late = d[NUMBER[TIME]] / f[NUMBER[TIME]]
         S = Angles.of(motion.state(number, c)[LEAN]).S[0]
         slopes[place] = S * (d[NUMBER[LEAN]] - f[NUMBER[LEAN]] * late)

@@ -166,7 +166,7 @@ def _friction(equations: GeneralEquations, y: Floats, mode: Mode) -> Floats:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TangentMotion:
-    """A motion through its first bounce, with its derivatives.
+    """A motion of any length, with its derivatives along its pieces.
 
     Attributes
     ----------

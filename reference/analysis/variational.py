@@ -57,6 +57,7 @@ from reference.equations.state_vector import (
     Angles,
     sizes,
 )
+from reference.nonsmooth.level_spin import level_turning
 from reference.nonsmooth.radau_iia import basis, coefficients, integrator, points
 from reference.nonsmooth.segments import Segment
 from reference.problem.problem import Problem
@@ -69,11 +70,13 @@ NUMBER = {row: place for place, row in enumerate(CORE.tolist())}
 STEP = 1e-40
 # A slip that is this small where a piece begins, and goes on, has come to rest and turned.
 RESTS = 1e-13
-# How far into a piece that is: between the roundings of the direction and what has moved since.
-BEHIND = 1e-8
-# A slip as slow as this, with the direction of its end to as many digits, is at its end: nearer
-# to it the direction is lost in round-off, and disturbances have no time left to change.
-ENDING = 1e-8
+# What begins from rest has no direction at the start of its piece. Its rates there are extrapolated
+# from so far into the piece, and twice as far: the error is the square of that, and the direction
+# has a rounding over it.
+BEHIND = 1e-5
+# A slip as slow as this is at its end, and its last steps are left out: they take a time of this
+# size, by which disturbances are missed. Nearer to the end round-off turns the slip.
+ENDING = 1e-10
 Forcing: TypeAlias = Callable[[Floats, Mode], Floats]
 DISTURBED = ("phi", "theta", "psi_dot", "theta_dot")
 
@@ -245,9 +248,7 @@ def _across(
     G = _comes_to_rest(last, piece)
     if not G.size:
         return now
-    # from right behind the start, where what begins again has its direction
-    soon = piece.at(np.array([BEHIND]))
-    after = jacobian(equations, soon, piece.mode)[0][:, 0]
+    after = _rates_at_start(equations, piece)
     coming = G @ rates
     tau = -(coming @ G @ now) / (coming @ coming)
     now = now + np.outer(rates, tau)
@@ -256,6 +257,19 @@ def _across(
     velocities[:, NUMBER[LEAN]] = 0.0
     now = now - np.linalg.pinv(velocities) @ (G @ now)
     return np.asarray(now - np.outer(after, tau))
+
+
+def _rates_at_start(equations: GeneralEquations, piece: Segment) -> Floats:
+    """Return rates of the rows `CORE` at the start of a piece, shape (9,), in its mode."""
+    mode, y = piece.mode, piece.start[:, None]
+    begins = mode.slips and np.hypot(*y[[U1, U2], 0]) <= RESTS
+    if equations.resistance and not mode.rests:
+        begins = begins or bool(np.hypot(*level_turning(y)[:, 0]) <= RESTS)
+    if not begins:
+        return np.asarray(equations.rates(y, mode, along=False)[CORE, 0])
+    near = piece.at(np.array([BEHIND, 2 * BEHIND]))
+    one, two = equations.rates(near, mode, along=False)[CORE].T
+    return np.asarray(2 * one - two)
 
 
 def _endings(pieces: tuple[Segment, ...]) -> list[bool]:

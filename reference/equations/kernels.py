@@ -50,6 +50,15 @@ from reference.problem.states import Floats
 
 
 @inner
+def false_and_zero(E: Floats) -> tuple[bool, int]:
+    """Return False and 0 as variables, for arguments of kernels that are the same in each call.
+
+    numba gives each constant a type of its own, and compiles all of a kernel once more for it.
+    """
+    return E.size < 0, E.size - E.size
+
+
+@inner
 def contact_at(E: Floats, laws: Laws, y: Floats, j: int, D: Floats, here: Floats) -> None:
     """Write the contact of column j of states (13, n) to `here`.
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from reference.equations.compiled_equations import CONTACT_ROWS, SLIPPING, Laws
-from reference.equations.kernels import contact_of, rates_at
+from reference.equations.kernels import contact_of, false_and_zero, rates_at
 from reference.equations.rim_kernels import WORK_ROWS, rim_rates, slipping_at
 from reference.equations.state_vector import (
     FLOOR,
@@ -128,13 +128,14 @@ def _slip_matrix(E: Floats, y: Floats, length: float, matrix: Floats) -> None:
     """Write I - h A J of the slips at the points, J by imaginary steps, to a matrix (32, 32)."""
     column: Any = np.empty((ROWS, 1), np.complex128)
     here: Any = np.empty(CONTACT_ROWS, np.complex128)
+    _, only = false_and_zero(E)
     for k in range(STAGES):
         shift = _STEP * np.hypot(y[U1, k], y[U2, k])
         for of in range(2):
             for i in range(ROWS):
                 column[i, 0] = y[i, k]
             column[U1 + of, 0] += 1j * shift
-            slipping_at(E, column, column.shape[1] - 1, here)
+            slipping_at(E, column, only, here)
             for by in range(2):
                 rate = here[SLIPPING + by].imag / shift
                 if by != of:
@@ -220,6 +221,7 @@ def collocate(
     slow = True
     change, series, y, f, D, here = arrays
     work, size, tangent = (D, here), np.empty(ROWS), np.empty(STAGES)
+    without, _ = false_and_zero(E)
     before, gain, stands, rounds = inf, 1.0, False, 0
     for i in range(U2 + 1, ROWS):
         for j in range(STAGES):
@@ -231,7 +233,7 @@ def collocate(
                 y[i, j] = start[i] + change[i, j]
         _sizes(y, size, stiff)
         if moments:
-            evaluate(E, laws, y, f, work, stands)
+            evaluate(E, laws, y, f, work, without)
         else:
             rim_rates(E, laws[0], y, b, f)
         if stiff:
@@ -330,7 +332,7 @@ def _sizes(y: Floats, size: Floats, stiff: bool) -> None:
 
 
 @inner
-def tail_of(E: Floats, start: Floats, series: Floats) -> tuple[float, int]:
+def tail_and_present(E: Floats, start: Floats, series: Floats) -> tuple[float, int]:
     """Return the last two coefficients of a step over the size of its rows, and which stand out."""
     size, largest = np.empty(ROWS), 0.0
     for i in range(ROWS):

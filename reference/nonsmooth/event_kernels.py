@@ -9,7 +9,7 @@ from math import inf, isnan, nan
 import numpy as np
 
 from reference.equations.compiled_equations import CONTACT_ROWS, FORCE, MOBILITY, MOMENT, Laws
-from reference.equations.kernels import contact_of
+from reference.equations.kernels import contact_of, false_and_zero
 from reference.equations.state_vector import LEAN, ROWS, TIME, U1, U2, W1, W2, W3
 from reference.nonsmooth.events import (
     BEGUN,
@@ -35,8 +35,9 @@ _AT_START, _BEYOND, _STILL, _BEGUN = AT_START, BEYOND, STILL, BEGUN
 _FLAT, _PUSHED, _LEAST_MOBILITY, _NEAR_ZERO = FLAT, FLAT_AND_PUSHED, LEAST_MOBILITY, NEAR_ZERO
 
 # Every so many places are looked at first, and all only where a margin of the contact is not as
-# far from zero at these as this share of what it changes: the polynomials of a step have no bend
-# between them that could come near to zero unseen.
+# far from zero at these as this share of what it changes. A heuristic: a margin that falls by more
+# than that between two of these places and rises again is missed. The polynomial of a resolved step
+# hardly bends so; `tests/reference/test_events.py` holds it against a look at all places.
 _COARSE, _CLEAR = 4, 0.5
 # phi' below this share of the turning is its round-off, and has no extrema.
 _NOISE = 2e-15
@@ -299,8 +300,7 @@ def _margin(
     """Return the margin of an event at one place of a piece."""
     y, out = np.empty((ROWS, 1)), np.empty((_IS_LIMIT.size, 1))
     state_at(start, series, c, y)
-    # a variable: of a constant everything would be compiled once more
-    only = out.shape[1] - 1
+    _, only = false_and_zero(E)
     out[:] = nan
     _of_state(E, laws, y, limits, only, out)
     if not _OF_THE_STATE[kind]:

@@ -8,8 +8,14 @@ from math import inf, log
 import numpy as np
 
 from reference.equations.compiled_equations import CONTACT_ROWS, Laws
+from reference.equations.kernels import false_and_zero
 from reference.equations.state_vector import ROWS, U1, U2, Index
-from reference.nonsmooth.collocation_kernels import collocate, evaluate, extrapolated, tail_of
+from reference.nonsmooth.collocation_kernels import (
+    collocate,
+    evaluate,
+    extrapolated,
+    tail_and_present,
+)
 from reference.nonsmooth.event_kernels import located, state_at
 from reference.nonsmooth.events import EventKind
 from reference.nonsmooth.hybrid_integrator import LONGEST, NOISE, RESOLVED, SHARE, SHORTEST
@@ -44,7 +50,8 @@ def _left_of_slip(E: Floats, laws: Laws, y: Floats, work: tuple[Floats, Floats])
     column, f = np.empty((ROWS, 1)), np.empty((ROWS, 1))
     for i in range(ROWS):
         column[i, 0] = y[i]
-    evaluate(E, laws, column, f, work, y.size < 0)
+    along, _ = false_and_zero(E)
+    evaluate(E, laws, column, f, work, along)
     speed = np.hypot(y[U1], y[U2])
     slowing = -(y[U1] * f[U1, 0] + y[U2] * f[U2, 0]) / speed
     return float(speed / slowing) if slowing > 0 else inf
@@ -144,7 +151,7 @@ def march(
             break
         longest *= _FREED if spent <= _EASY and refused < _TRIES else _RELAXED
         shortened = 0
-        tail, present = tail_of(E, starts[count], trial)
+        tail, present = tail_and_present(E, starts[count], trial)
         if tail > _RESOLVED:
             # what was too long is the guess of what is shorter
             polynomial, harmonics, at, scale = trial.copy(), all_of_them, 0.0, length

@@ -9,7 +9,7 @@ from math import isinf, isnan
 import numpy as np
 
 from reference.equations.compiled_equations import CONTACT_ROWS, FORCE
-from reference.equations.kernels import contact_of
+from reference.equations.kernels import contact_of, false_and_zero
 from reference.equations.state_vector import (
     LEAN,
     PSI,
@@ -125,7 +125,7 @@ def states_of(E: Floats, slips: Index, turns: Index, y: Floats) -> Floats:
         phi, phi', psi, psi', theta, theta', spin, slip and force in the world.
     """
     out, D, here = np.empty((12, y.shape[1])), np.empty((10, 6)), np.empty(CONTACT_ROWS)
-    rests = slips.size < 0  # a variable: a constant would be a type of its own, compiled again
+    rests, _ = false_and_zero(E)
     for j in range(y.shape[1]):
         T = np.exp(y[LEAN, j])
         S, C = 2 * T / (1 + T * T), -np.tanh(y[LEAN, j])
@@ -155,8 +155,7 @@ def _measured(E: Floats, of: Pieces, piece: int, c: float, work: Work, out: Floa
     state_at(starts[piece], series[piece], c, y)
     T = np.exp(y[LEAN, 0])
     out[0] = y[W1, 0] * (1 + T * T) / (2 * T)
-    # variables: of constants everything would be compiled once more
-    rests, only = E.size < 0, y.shape[1] - 1
+    rests, only = false_and_zero(E)
     contact_of(E, (slips[piece] != 0, turns[piece], rests), y, only, D, here)
     friction, N = np.hypot(here[FORCE], here[FORCE + 1]), here[FORCE + 2]
     out[1] = friction / N if N > 0 or isnan(N) else np.inf

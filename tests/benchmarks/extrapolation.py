@@ -97,7 +97,7 @@ class Extrapolation:
         raise RuntimeError(f"no event was found near {self.time}")
 
     def _rates(self, time: Any, y: Extended) -> Extended:
-        return np.array(self.motion.rates(time, tuple(y), slips=self.slips), dtype=np.longdouble)
+        return np.array(self.motion.rates(time, tuple(y), self.slips), dtype=np.longdouble)
 
     def _stepped(self, length: Any) -> tuple[Extended, float]:
         """Return the state after a step, and how far apart its last two columns are."""

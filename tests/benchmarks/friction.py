@@ -1,17 +1,25 @@
 """Friction, tilt, shaking and an off-centre mass: the integrator against scipy's DOP853.
 
-Whole scenes, from the release to the horizon. The rival integrates the same equations in time, in
-plain numbers (`tests.benchmarks.newton_euler`), finds where the rim begins to slip and where it
-sticks again by the events of `solve_ivp`, and so the extrema of phi. The first moments of a slip
-that begins from rest, in which it has no direction that an explicit method could follow, are given
-to the rival. Both are held against one truth: an extrapolation in long double of which a slip's
-first moments are a tenth as long. Of the tolerances of the rival that one is compared which is as
-accurate as the integrator, or its tightest where none is.
+Whole scenes, from the release to the horizon. The rival integrates in time, in plain numbers
+(`tests.benchmarks.newton_euler`), finds where the rim begins to slip and where it sticks again by
+the events of `solve_ivp`, and so the extrema of phi. Both are held against one truth, an
+extrapolation in long double.
+
+What they share: the rival and the truth have the same equations, which a test holds against
+rotation matrices, and the first moments of a slip that begins from rest, in which it has no
+direction that an explicit method could follow, are the integrator's own in both; of the truth they
+are a tenth as long. So the error of a slip that begins leaves out what is wrong in these moments.
+
+Of the tolerances of the rival, relative and absolute, that pair is compared which is fastest of
+those as accurate as the integrator, or the most accurate where none is. The claim is against
+DOP853 as scipy runs it, with a function of Python; the note tells the ratio against rates that
+numba compiles, and where no tolerance is as accurate the time of the rival at an error of 1e-12.
 """
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
+from itertools import product
 from math import cos, sin
 
 import numpy as np
@@ -21,12 +29,17 @@ from harness.engines.reference.to_reference_problem import problem as posed
 from models.catalogue import load
 from reference import Kind, Problem, Solution, solve
 from reference.numerics.compiled import available
-from tests.benchmarks.clock import Ratio, in_turns
+from tests.benchmarks.clock import Ratio, in_turns, seconds
 from tests.benchmarks.extrapolation import Extrapolation
-from tests.benchmarks.newton_euler import Event, Motion, Numbers, Onset, follow
+from tests.benchmarks.newton_euler import Event, Motion, Onset, follow
 
 # From the least that scipy takes, a hundred roundings, upwards.
-_TOLERANCES = (3e-14, 1e-13, 1e-12, 1e-11)
+_RELATIVE = (3e-14, 1e-13, 1e-12, 1e-11)
+# Of the relative tolerance, as angles and velocities of size 1 need it or more tightly.
+_SHARES = (1.0, 0.1, 1e-3)
+_TOLERANCES = tuple(product(_RELATIVE, _SHARES))
+# An error at which the rival's time is told too, where it is less accurate than the integrator.
+_PLAIN_ERROR = 1e-12
 # Errors below this are those of the last digits of angles of size one.
 _ROUNDINGS = 16 * float(np.finfo(float).eps)
 # How long the first moments of a slip are, in sqrt(R/g), at most a tenth of it; and of the truth.
@@ -118,27 +131,74 @@ def _against_scipy(scene: Whole) -> Ratio:
         return float((np.abs(y[[0, 1, 4, 5]] - exact) / size).max())
 
     own_error = error(_raw(solution, end))
-    errors = {rtol: error(by_scipy(problem, end, rtol, given)) for rtol in _TOLERANCES}
-    reached = [rtol for rtol, size in errors.items() if size <= max(own_error, _ROUNDINGS)]
-    rtol = max(reached, default=min(_TOLERANCES))
+    rivals = [_Rival.of(problem, end, given, tolerances, error) for tolerances in _TOLERANCES]
+    equal = [each for each in rivals if each.error <= max(own_error, _ROUNDINGS)]
+    rival = min(equal, key=_seconds) if equal else min(rivals, key=_error)
     own, scipy_s = in_turns(
         lambda: solve(problem, compiled=compiled),
-        partial(by_scipy, problem, end, rtol, given),
+        partial(by_scipy, problem, end, rival.tolerances, given),
         repeats=_REPEATS,
     )
-    best = "" if reached else ", the best that it can"
+    note = f"error at the end, {end:.4g} sqrt(R/g), {own_error:.1e} against {rival.error:.1e}"
+    if not equal:
+        note += ", the best that it can"
+        plain = [each for each in rivals if each.error <= _PLAIN_ERROR]
+        if plain:
+            note += (
+                f"; {min(plain, key=_seconds).seconds / own:.3g} at an error of {_PLAIN_ERROR:g}"
+            )
+    if compiled:
+        rates = partial(by_scipy, problem, end, rival.tolerances, given, compiled=True)
+        rates()
+        seconds_compiled = min(seconds(rates) for _ in range(_REPEATS))
+        note += f"; {seconds_compiled / own:.3g} against rates compiled by numba"
+    rtol, share = rival.tolerances
     claim = f"at least {_FASTER:g} times faster, and at least as accurate" if compiled else ""
     return Ratio(
-        what=f"{scene.scene} ({scene.what}) against DOP853 at rtol {rtol:g}",
+        what=f"{scene.scene} ({scene.what}) against DOP853 at rtol {rtol:g}, atol {rtol * share:g}",
         ratio=scipy_s / own,
         claim=claim,
         holds=not compiled
-        or (scipy_s >= _FASTER * own and own_error <= max(errors[rtol], _ROUNDINGS)),
+        or (scipy_s >= _FASTER * own and own_error <= max(rival.error, _ROUNDINGS)),
         first_s=own,
         second_s=scipy_s,
-        note=f"error at the end, {end:.4g} sqrt(R/g), {own_error:.1e} against "
-        f"{errors[rtol]:.1e}{best}",
+        note=note,
     )
+
+
+Tolerances = tuple[float, float]
+"""Relative, and the absolute as a share of it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Rival:
+    """DOP853 at its tolerances: the error that it makes, and the processor time that it takes."""
+
+    tolerances: Tolerances
+    error: float
+    seconds: float
+
+    @classmethod
+    def of(
+        cls,
+        problem: Problem,
+        end: float,
+        given: list[Onset],
+        tolerances: Tolerances,
+        error: Callable[[np.ndarray], float],
+    ) -> "_Rival":
+        """Run it twice: what is compared is measured once more."""
+        run = partial(by_scipy, problem, end, tolerances, given)
+        taken = min(seconds(run) for _ in range(2))
+        return cls(tolerances=tolerances, error=error(run()), seconds=taken)
+
+
+def _seconds(rival: _Rival) -> float:
+    return rival.seconds
+
+
+def _error(rival: _Rival) -> float:
+    return rival.error
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -192,11 +252,12 @@ class Dop853:
     slips : bool
     """
 
-    def __init__(self, problem: Problem, rtol: float) -> None:
-        self.motion = Motion.of(problem)
+    def __init__(self, problem: Problem, tolerances: Tolerances, *, compiled: bool = False) -> None:
+        self.motion = _motion_of(problem, compiled=compiled)
         self.time, self.y = 0.0, np.array(self.motion.released())
         self.slips = problem.slip != (0.0, 0.0)
-        self._rtol = rtol
+        self._rtol, share = tolerances
+        self._atol = self._rtol * share
 
     def integrate(self, end: float, event: Event | None) -> bool:
         """Integrate to a time, or to where a quantity falls to zero; return whether it did.
@@ -206,10 +267,7 @@ class Dop853:
         RuntimeError
             If scipy gives up.
         """
-        rates, slips = self.motion.rates, self.slips
-
-        def field(t: float, y: np.ndarray) -> Numbers:
-            return rates(t, tuple(y.tolist()), slips=slips)
+        field, slips = self.motion.field, self.slips
 
         def nutation_rate(_: float, y: np.ndarray) -> float:
             return float(y[1])
@@ -224,12 +282,12 @@ class Dop853:
             vars(change).update(terminal=True, direction=-1.0)
             watched.append(change)
         part = scipy.integrate.solve_ivp(
-            field,
+            lambda t, y: field(t, y, slips),
             (self.time, end),
             self.y,
             method="DOP853",
             rtol=self._rtol,
-            atol=self._rtol * 1e-3,
+            atol=self._atol,
             events=watched,
         )
         if not part.success:
@@ -238,8 +296,19 @@ class Dop853:
         return bool(part.status == 1)
 
 
-def by_scipy(problem: Problem, end: float, rtol: float, onsets: list[Onset]) -> np.ndarray:
+# A problem's rates are compiled once, as those of the integrator are.
+_motion_of = cache(Motion.of)
+
+
+def by_scipy(
+    problem: Problem,
+    end: float,
+    tolerances: Tolerances,
+    onsets: list[Onset],
+    *,
+    compiled: bool = False,
+) -> np.ndarray:
     """Return the state of a problem at a time, as `Motion` has it, by DOP853."""
-    rival = Dop853(problem, rtol)
+    rival = Dop853(problem, tolerances, compiled=compiled)
     follow(rival, end, onsets, stopped=_STOPPED)
     return rival.y

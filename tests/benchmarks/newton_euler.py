@@ -1,7 +1,10 @@
 """Newton-Euler equations of the can in plain scalars, for the rivals of the integrator.
 
-Written apart from `reference.equations`, in time and in the raw angles. Of one state plain numbers
-are several times faster than arrays; in numpy's long doubles the same formulas give the truth.
+In time and in the raw angles. The force of a can with friction alone is that of
+`reference.equations.coulomb`, written out; with other effects it has a derivation of its own.
+`tests/benchmarks/test_newton_euler.py` holds both against rotation matrices. Of one state plain
+numbers are several times faster than arrays; in numpy's long doubles the same formulas give the
+truth, and numba compiles them.
 """
 
 import math
@@ -32,12 +35,10 @@ DOUBLE = Arithmetic(number=float, sin=math.sin, cos=math.cos, hypot=math.hypot)
 LONG_DOUBLE = Arithmetic(number=np.longdouble, sin=np.sin, cos=np.cos, hypot=np.hypot)
 
 
-class Force(Protocol):
-    """The force of the plane on a can, and what it does."""
-
-    def __call__(self, state: Numbers, S: Any, C: Any, *, slips: bool) -> Numbers:
-        """Return w' in axes that stand, u' and F, of (t, phi, w, psi, theta, u)."""
-        ...
+Force = Callable[[Numbers, Any, Any, bool], Numbers]
+"""From (t, phi, w, psi, theta, u), sin phi, cos phi and whether the rim slips: the angular
+acceleration in axes that stand, u' and the force."""
+_CARRIED = frozenset({"slip", "tilt", "shake", "point_mass"})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,13 +52,35 @@ class Motion:
     problem: Problem
     given: Arithmetic
     force: Force
+    rates: Callable[[Any, Numbers, bool], Numbers]
+    field: Callable[[float, NDArray[np.float64], bool], Any]
 
     @classmethod
-    def of(cls, problem: Problem, given: Arithmetic = DOUBLE) -> "Motion":
-        """Return a problem with friction alone, or of a rim that never slips with other effects."""
-        alone = problem.effects.declared() == ("slip",)
+    def of(
+        cls, problem: Problem, given: Arithmetic = DOUBLE, *, compiled: bool = False
+    ) -> "Motion":
+        """Return a problem with friction alone, or of a rim that never slips with other effects.
+
+        Raises
+        ------
+        ValueError
+            Of effects that these equations do not have.
+        """
+        declared = problem.effects.declared()
+        if others := sorted(set(declared) - _CARRIED):
+            raise ValueError(
+                f"the rivals have no {', '.join(others)}: only {', '.join(sorted(_CARRIED))}"
+            )
+        alone = tuple(declared) == ("slip",)
         force = axisymmetric(problem, given) if alone else with_effects(problem, given)
-        return cls(problem=problem, given=given, force=force)
+        rates = rates_of(force, given)
+
+        def field(t: float, y: NDArray[np.float64], slips: bool) -> Any:  # noqa: FBT001 - numba
+            return rates(t, tuple(y.tolist()), slips)
+
+        if compiled:
+            force, rates, field = _compiled(force, given)
+        return cls(problem=problem, given=given, force=force, rates=rates, field=field)
 
     @property
     def mu(self) -> float:
@@ -74,26 +97,43 @@ class Motion:
         S, C = self.given.sin(phi), self.given.cos(phi)
         return phi, -phi_dot, psi_dot * S, psi_dot * C + theta_dot, psi, theta, *slip
 
-    def rates(self, t: Any, y: Numbers, *, slips: bool) -> Numbers:
-        """Return the rates of a state at a time."""
-        phi, w2, w1, w3, psi, theta, u1, u2 = y
-        S, C = self.given.sin(phi), self.given.cos(phi)
-        a1, a2, a3, b1, b2, *_ = self.force(
-            (t, phi, w1, w2, w3, psi, theta, u1, u2), S, C, slips=slips
-        )
-        psi_dot = w1 / S
-        theta_dot = w3 - psi_dot * C
-        if not slips:
-            return -w2, a2 + theta_dot * w1, a1 - theta_dot * w2, a3, psi_dot, theta_dot, 0.0, 0.0
-        b1, b2 = b1 + psi_dot * u2, b2 - psi_dot * u1
-        return -w2, a2 + theta_dot * w1, a1 - theta_dot * w2, a3, psi_dot, theta_dot, b1, b2
-
     def reserve(self, t: Any, y: Numbers) -> Any:
         """Return mu N less the friction, of a rim that sticks."""
         phi, w2, w1, w3, psi, theta, u1, u2 = y
         S, C = self.given.sin(phi), self.given.cos(phi)
-        *_, F1, F2, N = self.force((t, phi, w1, w2, w3, psi, theta, u1, u2), S, C, slips=False)
+        *_, F1, F2, N = self.force((t, phi, w1, w2, w3, psi, theta, u1, u2), S, C, False)  # noqa: FBT003
         return self.mu * N - self.given.hypot(F1, F2)
+
+
+def rates_of(force: Force, given: Arithmetic) -> Callable[[Any, Numbers, bool], Numbers]:
+    """Return the rates of a state at a time, as a function that numba can compile."""
+    sin, cos = given.sin, given.cos
+
+    def rates(t: Any, y: Numbers, slips: bool) -> Numbers:  # noqa: FBT001 - numba has no keywords
+        phi, w2, w1, w3, psi, theta, u1, u2 = y
+        S, C = sin(phi), cos(phi)
+        a1, a2, a3, b1, b2, _, _, _ = force((t, phi, w1, w2, w3, psi, theta, u1, u2), S, C, slips)
+        psi_dot = w1 / S
+        theta_dot = w3 - psi_dot * C
+        if slips:
+            b1, b2 = b1 + psi_dot * u2, b2 - psi_dot * u1
+        return -w2, a2 + theta_dot * w1, a1 - theta_dot * w2, a3, psi_dot, theta_dot, b1, b2
+
+    return rates
+
+
+def _compiled(force: Force, given: Arithmetic) -> tuple[Force, Any, Any]:
+    """Return a force, the rates and the field, compiled."""
+    from numba import njit  # noqa: PLC0415 - an extra
+
+    own: Any = njit(force)
+    rates: Any = njit(rates_of(own, given))
+
+    @njit
+    def field(t: float, y: NDArray[np.float64], slips: bool) -> Any:  # noqa: FBT001
+        return np.array(rates(t, (y[0], y[1], y[2], y[3], y[4], y[5], y[6], y[7]), slips))
+
+    return own, rates, field
 
 
 Event = Callable[[Any, Numbers], Any]
@@ -155,9 +195,9 @@ def follow(integrator: Integrator, end: float, onsets: Sequence[Onset], *, stopp
     while integrator.time < end:
         if integrator.slips and integrator.integrate(end, sliding):
             time, y = integrator.time, integrator.y
-            rates = np.array(motion.rates(time, tuple(y), slips=True))
+            rates = np.array(motion.rates(time, tuple(y), integrator.slips))
             half = y + _left_of_slip(y, rates) / 2 * rates
-            rates = np.array(motion.rates(time, tuple(half), slips=True))
+            rates = np.array(motion.rates(time, tuple(half), integrator.slips))
             left = _left_of_slip(y, rates)
             integrator.y = y + left * rates
             integrator.y[6:] = 0.0
@@ -180,7 +220,7 @@ def axisymmetric(problem: Problem, given: Arithmetic) -> Force:
     a_p, c_p = a + h * h, c + 1
     det = a_p * c_p - h * h
 
-    def force(state: Numbers, S: Any, C: Any, *, slips: bool) -> Numbers:
+    def force(state: Numbers, S: Any, C: Any, slips: bool) -> Numbers:  # noqa: FBT001
         _, _, w1, w2, w3, _, _, u1, u2 = state
         q1, q2, q3 = -h * w2, w1 * (h - C / S), w2
         k1, k2, k3 = w2 * q3 - w3 * q2, w3 * q1 - w1 * q3, w1 * q2 - w2 * q1
@@ -219,7 +259,9 @@ def with_effects(problem: Problem, given: Arithmetic) -> Force:
     (gx, gy, gz), (sx, sy, sz) = e.gravity.constant, e.gravity.amplitude
     rate, phase = e.gravity.rate, e.gravity.phase
 
-    def force(state: Numbers, S: Any, C: Any, *, slips: bool) -> Numbers:  # noqa: ARG001
+    def force(state: Numbers, S: Any, C: Any, slips: bool) -> Numbers:  # noqa: FBT001
+        if slips:
+            raise ValueError("with tilt, shaking or a point mass the rivals only stick")
         t, _, w1, w2, w3, psi, theta, _, _ = state
         ct, st, cp, sp = cos(theta), sin(theta), cos(psi), sin(psi)
         d1, d2, d3 = mx * ct - my * st, mx * st + my * ct, mz

@@ -3,6 +3,7 @@
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,7 +32,9 @@ from reference.equations.compiled_equations import (
 )
 from reference.equations.contact_laws import Mode
 from reference.equations.newton_euler import GeneralEquations
-from reference.equations.state_vector import U1, U2, W1, W2, W3
+from reference.equations.state_vector import U1, U2, W1, W2, W3, tail_of
+from reference.nonsmooth.radau_iia import STAGES
+from reference.problem.states import Floats
 from tests.support.compiled import needs_numba
 
 GOLDEN = json.loads((Path(__file__).parent / "golden" / "golden.json").read_text())
@@ -122,6 +125,28 @@ def test_a_rim_without_moments_of_friction_needs_fewer_equations(*, slips: bool)
     )
     rim_kernels.rim_rates(constants, slips, y, np.empty(rim_kernels.WORK_ROWS * 16), of_rim)
     assert np.abs(of_rim[rows] - rates[rows]).max() < 64 * EPS
+
+
+@needs_numba
+@pytest.mark.parametrize("resistance", [0.0, 0.01])
+def test_a_step_is_judged_by_the_same_tail(resistance: float) -> None:
+    from numba import njit  # noqa: PLC0415 - an extra
+
+    from reference.nonsmooth import collocation_kernels  # noqa: PLC0415 - numba comes with it
+
+    kernel, constants = collocation_kernels.tail_and_present, np.zeros(21)
+    constants[17] = resistance
+    rng = np.random.default_rng(6)
+
+    def judged(E: Floats, start: Floats, series: Floats) -> tuple[float, int]:
+        return kernel(E, start, series)
+
+    compiled: Any = njit(judged)
+    for _ in range(20):
+        start = rng.normal(size=13) * 10.0 ** rng.uniform(-6, 1, 13)
+        series = rng.normal(size=(13, STAGES + 1)) * 10.0 ** -np.arange(STAGES + 1)
+        expected = tail_of(start, series, resisted=resistance > 0)
+        assert compiled(constants, start, series)[0] == pytest.approx(expected, rel=4 * EPS)
 
 
 @needs_numba

@@ -9,15 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from reference import PAPER_CAN, Effects, Gravity, Mass, Parameters, Problem, solve
+from reference import PAPER_CAN, Effects, Mass, Parameters, Problem, solve
 from reference.analysis.sensitivity import sensitivity
 from reference.analysis.tangent_motion import motion_tangents
 from reference.equations.nonholonomic import nutation_acceleration
 from reference.integrable.derivatives import PULLED, QUANTITIES, batch_tangents
 from reference.integrable.tangents import BY
+from reference.nonsmooth.segments import SegmentsPath
+from tests.support.varied import RELEASE, tilted, varied
 
 GOLDEN = json.loads((Path(__file__).parent / "golden" / "derivatives.json").read_text())
-RELEASE = ("phi", "phi_dot", "psi_dot", "theta_dot")
 ROCK: dict[str, Any] = {"phi": 0.4, "psi_dot": 0.12, "theta_dot": -0.06, "bounces": 1}
 
 
@@ -119,35 +120,6 @@ def test_many_at_once_are_each_by_itself() -> None:
             )
 
 
-def varied(problem: Problem, name: str, by: float) -> Problem:
-    """Return a problem with one number changed."""
-    effects, mass = problem.effects, problem.effects.mass
-    if name in RELEASE:
-        return replace(problem, **{name: getattr(problem, name) + by})
-    if name in {"a", "c", "h"}:
-        can = replace(problem.parameters, **{name: getattr(problem.parameters, name) + by})
-        return replace(problem, parameters=can)
-    fields = {"slip.mu": "mu", "rolling_resistance.length": "rolling_resistance"}
-    if name in fields:
-        field = fields[name]
-        return replace(problem, effects=replace(effects, **{field: getattr(effects, field) + by}))
-    if name.startswith("point_mass."):
-        assert mass is not None
-        field = name.removeprefix("point_mass.").replace("mass", "share")
-        mass = replace(mass, **{field: getattr(mass, field) + by})
-        return replace(problem, effects=replace(effects, mass=mass))
-    x, y, z = effects.gravity.constant
-    angle, direction = math.atan2(math.hypot(x, y), -z), math.atan2(y, x)
-    angle, direction = angle + by * (name == "tilt.angle"), direction + by * (name != "tilt.angle")
-    return replace(problem, effects=replace(effects, gravity=tilted(angle, direction)))
-
-
-def tilted(angle: float, direction: float) -> Gravity:
-    down = math.sin(angle)
-    level = (down * math.cos(direction), down * math.sin(direction))
-    return Gravity(constant=(*level, -math.cos(angle)))
-
-
 def measured(problem: Problem) -> np.ndarray[Any, np.dtype[np.float64]]:
     solution = solve(problem)
     bounce = solution.bounces[0]
@@ -182,6 +154,38 @@ def test_differences_of_motions_with_effects(effects: Effects, names: tuple[str,
         slopes = [known.derivatives[each][known.by.index(name)] for each in QUANTITIES]
         sizes = np.abs(slopes) + np.abs([known.values[each] for each in QUANTITIES])
         assert (np.abs(extrapolated - slopes) / sizes).max() < 1e-7, name
+
+
+@pytest.mark.parametrize(
+    ("slip", "effects", "names"),
+    [
+        ((0.0, 0.0), Effects(drilling=0.03), ("theta_dot", "phi")),
+        ((0.1, 0.05), Effects(mu=0.2), ("theta_dot", "psi_dot")),
+    ],
+    ids=["a turning comes to rest", "a slip comes to rest"],
+)
+def test_a_motion_that_comes_to_rest_on_the_way(
+    slip: tuple[float, float], effects: Effects, names: tuple[str, ...]
+) -> None:
+    """To 1e-9: the law changes, and the disturbance with it, at that instant and not behind it."""
+    problem = Problem(parameters=PAPER_CAN, effects=effects, slip=slip, **ROCK)
+    pieces = path_of(problem).pieces
+    modes = [(piece.mode.slips, piece.mode.turns) for piece in pieces]
+    assert len({*modes}) == 2
+    known = sensitivity(problem)
+    step = 3e-5
+    for name in names:
+        values = [measured(varied(problem, name, k * step)) for k in (-2, -1, 1, 2)]
+        differences = (8 * (values[2] - values[1]) - (values[3] - values[0])) / (12 * step)
+        slopes = [known.derivatives[each][known.by.index(name)] for each in QUANTITIES]
+        sizes = np.abs(slopes) + np.abs([known.values[each] for each in QUANTITIES])
+        assert (np.abs(differences - slopes) / sizes).max() < 1e-9, name
+
+
+def path_of(problem: Problem) -> SegmentsPath:
+    path = solve(problem).path
+    assert isinstance(path, SegmentsPath)
+    return path
 
 
 def test_a_plane_that_never_slips_gives_the_derivatives_of_rolling() -> None:

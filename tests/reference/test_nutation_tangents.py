@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference import PAPER_CAN, Effects, Gravity, Problem, solve
+from reference import PAPER_CAN, Effects, Gravity, Kind, Mass, Problem, solve
 from reference.analysis.nutation_tangents import nutation_tangents
+from tests.support.varied import varied
 
 TIMES = np.array([2.0, 6.0, 11.0])
 
@@ -43,3 +44,55 @@ def test_a_motion_that_has_ended_has_none() -> None:
     assert np.isfinite(rates[0])
     assert np.isnan(rates[1])
     assert np.isnan(slopes[1]).all()
+
+
+ROCK = Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=0.12, theta_dot=-0.06, duration=5.0)
+SLIPPING = replace(ROCK, phi=0.4, slip=(0.1, 0.05), effects=Effects(mu=0.2), duration=0.6)
+
+
+@pytest.mark.parametrize(
+    ("problem", "names"),
+    [
+        (replace(ROCK, effects=Effects(drilling=0.01)), ("psi_dot", "theta_dot", "c")),
+        (SLIPPING, ("phi", "psi_dot", "slip.mu")),
+        (
+            replace(
+                ROCK,
+                effects=Effects(
+                    mass=Mass(share=0.1, x=0.3, y=0.1, z=0.2), rim=0.1, linear_damping=0.05
+                ),
+            ),
+            ("point_mass.x", "rim.radius", "damping.linear"),
+        ),
+    ],
+    ids=["turning comes to rest", "slip comes to rest", "mass, rim and damping"],
+)
+def test_phi_has_the_derivatives_of_its_differences(
+    problem: Problem, names: tuple[str, ...]
+) -> None:
+    """To 1e-8, before and after something comes to rest."""
+    assert problem.duration is not None
+    times = problem.duration * np.array([0.1, 0.5, 0.99])
+    by, _, slopes = nutation_tangents(problem, times)
+    step = 3e-5
+    for name in names:
+        one, two = (
+            np.asarray(
+                solve(varied(problem, name, k * step), model="general").at(times).phi
+                - solve(varied(problem, name, -k * step), model="general").at(times).phi
+            )
+            for k in (1, 2)
+        )
+        differences = (8.0 * one - two) / (12.0 * step)
+        # one that is nothing yet has the round-off of phi over the step
+        known = slopes[:, by.index(name)]
+        assert known == pytest.approx(differences, rel=1e-8, abs=1e-9), name
+
+
+def test_where_a_slip_is_at_its_end_there_are_none() -> None:
+    first = solve(SLIPPING, model="general").phases[0]
+    assert first.kind is Kind.SLIP
+    times = np.array([first.end - 1e-6, first.end - 1e-12, first.end + 1e-6])
+    _, rates, slopes = nutation_tangents(SLIPPING, times)
+    assert np.isfinite(rates).tolist() == [True, False, True]
+    assert np.isfinite(slopes).all(axis=1).tolist() == [True, False, True]

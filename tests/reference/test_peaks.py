@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reference import PAPER_CAN, Effects, Mass, Problem, solve
+from reference import PAPER_CAN, Effects, Gravity, Mass, Problem, solve
 from tests.support.compiled import needs_numba
 
 OFF_CENTRE = Problem(
@@ -30,10 +30,24 @@ DRILLING = Problem(
     bounces=1,
     effects=Effects(drilling=0.00118642610619907),
 )
+# the bounce after this one has a peak beside the maximum that both share, and more friction
+TILTED = Problem(
+    parameters=PAPER_CAN,
+    phi=0.4618103105666153,
+    phi_dot=0.023260661812454505,
+    psi_dot=1.5869542823520706,
+    theta_dot=-0.5778316490166546,
+    bounces=1,
+    effects=Effects(
+        gravity=Gravity(constant=(-0.03363412008394017, 0.018006528276739164, -0.9992719904538494))
+    ),
+)
 
 
 @pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=needs_numba)])
-@pytest.mark.parametrize("problem", [OFF_CENTRE, DRILLING], ids=["off-centre", "drilling"])
+@pytest.mark.parametrize(
+    "problem", [OFF_CENTRE, DRILLING, TILTED], ids=["off-centre", "drilling", "tilted"]
+)
 def test_the_peak_is_the_largest_of_many_samples(problem: Problem, *, compiled: bool) -> None:
     motion = solve(problem, compiled=compiled)
     force = motion.at(np.linspace(motion.maxima[0], motion.maxima[1], 40_001)).force
