@@ -23,7 +23,7 @@ from models.contact_effects import (
     RoundedRim,
     Slip,
 )
-from models.errors import InvalidValueError, ModelError
+from models.errors import InvalidValueError
 
 NO_SLIP_FRICTION = 2.0
 """Coefficient of friction of an engine model whose scene declares no slip.
@@ -69,9 +69,7 @@ class Effects:
     Raises
     ------
     InvalidValueError
-        If something is not the effect that its name says.
-    ModelError
-        If two effects contradict each other.
+        If something is not the effect that its name says, or two effects contradict each other.
     """
 
     slip: Slip | None = None
@@ -93,33 +91,25 @@ class Effects:
             effect = getattr(self, name)
             if effect is not None and not isinstance(effect, kind):
                 raise InvalidValueError(name, effect, f"a {kind.__name__} or None")
-        if self.slip is not None and self.slip.mu == 0.0:
-            for name in ("drilling", "rolling_resistance"):
-                if getattr(self, name) is not None:
-                    raise ModelError(
-                        f"effects `slip` with mu 0 and `{name}` contradict each other: "
-                        "a plane without friction resists neither drilling nor rolling"
-                    )
-        self._check_patch()
-        contour = self.contour_friction
-        if contour is not None and contour.coulomb > 0.0:
-            if self.slip is not None and self.slip.mu == 0.0:
-                raise ModelError(
-                    "effects `slip` with mu 0 and `contour_friction` with coulomb contradict each "
-                    "other: a plane without friction resists no motion along the rim"
-                )
-            if self.rolling_resistance is not None:
-                raise ModelError(
-                    "effects `rolling_resistance` and `contour_friction` with coulomb contradict "
-                    "each other: both are a dry moment against rolling, with a limit of its own"
-                )
+        self._check_friction()
         if self.compliance is not None and self.restitution is not None:
-            raise ModelError(
-                "effects `compliance` and `restitution` contradict each other: "
-                "what a compliant contact gives back follows from its damping"
-            )
+            allowed = "left out beside `compliance`: its damping says what a contact gives back"
+            value = self.restitution.coefficient
+            raise InvalidValueError("restitution.coefficient", value, allowed)
 
-    def _check_patch(self) -> None:
+    def _check_friction(self) -> None:
+        """Refuse laws of friction of which one excludes the other."""
+        contour = self.contour_friction
+        if self.slip is not None and self.slip.mu == 0.0:
+            allowed = "left out beside `slip` with mu 0: a plane without friction does not resist"
+            for name in ("drilling", "rolling_resistance"):
+                if (law := getattr(self, name)) is not None:
+                    raise InvalidValueError(f"{name}.length", law.length, allowed)
+            if contour is not None and contour.coulomb > 0.0:
+                raise InvalidValueError("contour_friction.coulomb", contour.coulomb, allowed)
+        if self.rolling_resistance is not None and contour is not None and contour.coulomb > 0.0:
+            allowed = "zero beside `rolling_resistance`: both are a dry moment against rolling"
+            raise InvalidValueError("contour_friction.coulomb", contour.coulomb, allowed)
         if self.slip is not None and self.slip.patch is not None and self.drilling is not None:
             allowed = "zero beside `drilling`: a patch has its own friction against drilling"
             raise InvalidValueError("slip.patch", self.slip.patch, allowed)

@@ -63,11 +63,12 @@ def smallest(problem: Problem) -> Choice:
     effects, declared = problem.effects, problem.effects.declared()
     if effects.compliance is not None or effects.restitution is not None:
         return _unheld(problem)
-    if declared == ("slip",) and effects.mu == 0:
+    if declared == ("slip",) and effects.mu == 0 and not effects.mu_static:
         why = "The plane is declared without friction: two momenta are conserved."
         return Choice(model="frictionless", equations=2, why=why)
     if declared == ("slip",):
-        why = f"Friction {effects.mu:g} is declared: the rim sticks while it may, and slips beyond."
+        static = f", static {effects.mu_static:g}," if effects.mu_static else ""
+        why = f"Friction {effects.mu:g}{static} is declared: the rim sticks while it may, or slips."
         return Choice(model="coulomb", equations=6, why=why)
     if declared:
         named = ", ".join(name.replace("_", " ") for name in declared)

@@ -4,7 +4,7 @@ Beside another set of equations, whose numbers they give to within round-off; th
 (`reference.equations.kernels`) are imported with the first state, numba with them.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from math import inf
 
 import numpy as np
@@ -80,8 +80,16 @@ class CompiledEquations:
 
     @classmethod
     def of(cls, plain: Equations, problem: Problem) -> "CompiledEquations":
-        """Return the compiled equations of a problem beside its plain ones."""
+        """Return the compiled equations of a problem beside its plain ones.
+
+        Raises
+        ------
+        ValueError
+            If the problem has a law that no kernel carries; impacts are none of the equations'.
+        """
         p, e = problem.parameters, problem.effects
+        if not cls.know(replace(e, restitution=None)):
+            raise ValueError("an effect of this problem has no kernel: its equations are numpy's")
         mass = (0.0,) * 4 if e.mass is None else (e.mass.share, e.mass.x, e.mass.y, e.mass.z)
         shaking = (*e.gravity.amplitude, e.gravity.rate, e.gravity.phase)
         laws = (inf if e.mu is None else e.mu, e.drilling, e.rolling_resistance)

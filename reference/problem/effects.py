@@ -270,6 +270,9 @@ class Effects:
         )
         fits = not (self.contour and self.rolling_resistance)
         require(EffectError, "contour", self.contour, allowed, when=fits)
+        allowed = "zero with `mu` = 0: a plane without friction resists no motion along the rim"
+        fits = not (self.contour and self.mu == 0)
+        require(EffectError, "contour", self.contour, allowed, when=fits)
         allowed = "at most 1: an arc of a larger radius reaches beyond the axis"
         require(EffectError, "rim", self.rim, allowed, when=self.rim <= 1)
         fits = isinstance(self.gravity, Gravity)
@@ -280,6 +283,9 @@ class Effects:
         require(EffectError, "compliance", self.compliance, "a Compliance or None", when=fits)
         fits = self.restitution is None or isinstance(self.restitution, Restitution)
         allowed = "a Restitution or None"
+        require(EffectError, "restitution", self.restitution, allowed, when=fits)
+        allowed = "None with `compliance`: what a compliant contact gives back follows from its law"
+        fits = self.restitution is None or self.compliance is None
         require(EffectError, "restitution", self.restitution, allowed, when=fits)
 
     def declared(self) -> tuple[str, ...]:
