@@ -9,6 +9,8 @@ from docs.formatting import ROOT
 from docs.measure import KEPT, measured
 from docs.numbers import MARKED, TEXTS, filled
 from harness.core.errors import HarnessError
+from harness.engines.registry import engine
+from tests.support.engines import INSTALLED
 
 STATED = {
     "2302.08335": "the number of the paper at arXiv",
@@ -72,3 +74,13 @@ def test_each_file_was_written_by_the_command_that_is_named(name: str) -> None:
     assert made["command"] == what.command
     kept = {path.name for path in (KEPT / name).iterdir()}
     assert kept == {"made.json", *(file.rpartition("/")[2] for file in what.files)}
+
+
+@pytest.mark.parametrize("name", INSTALLED)
+def test_the_table_of_effects_tells_of_the_engine_as_it_is(name: str) -> None:
+    files = [KEPT / each / "printed.json" for each in ("capabilities", "capabilities-physx")]
+    told = [one for file in files for one in json.loads(file.read_text())["engines"]]
+    able = engine(name).capabilities
+    (own,) = [one for one in told if one["name"] == name and one["installed"]]
+    assert own["honours"] == sorted(able.honours), "run `python -m docs.measure capabilities`"
+    assert own["imposes"] == dict(able.imposes), "run `python -m docs.measure capabilities`"

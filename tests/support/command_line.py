@@ -11,9 +11,16 @@ from typing import Any
 import pytest
 
 from harness.cli.main import code_of
+from harness.engines import registry
 from models import load, write_scene
 
 _ROOT = Path(__file__).parents[2]
+
+WRONG_USE = 2
+"""Exit code of what cannot be done as it was asked for."""
+
+INSTALLED = tuple(name for name in registry.names() if name not in registry.not_installed())
+"""Engines that can be asked for, the exact motion among them."""
 
 
 @dataclass(frozen=True)
@@ -71,3 +78,20 @@ def write_scene_file(path: Path, *changes: tuple[str, str]) -> Path:
         lines[hits[0]] = new
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path
+
+
+def able(effect: str) -> str:
+    """Return what is said of the engines that can represent an effect."""
+    names = (n for n in INSTALLED if effect in registry.engine(n).capabilities.honours)
+    return f"engines that can: {', '.join(names)}"
+
+
+def is_one_clear_message(answer: Answer, *parts: str) -> None:
+    """Assert that an answer is one message with these parts, and nothing else."""
+    assert answer.code == WRONG_USE, answer
+    assert answer.out == ""
+    assert answer.err.startswith("rockingcan: ")
+    assert len(answer.err.strip().splitlines()) == 1, answer.err
+    assert "Traceback" not in answer.err
+    for part in parts:
+        assert part in answer.err, (part, answer.err)

@@ -9,29 +9,15 @@ import pytest
 from harness import api
 from harness.engines import registry
 from models import names
-from tests.support.command_line import Answer, Command
+from tests.support.command_line import (
+    INSTALLED,
+    WRONG_USE,
+    Command,
+    able,
+    is_one_clear_message,
+)
 
-WRONG_USE = 2
-
-INSTALLED = tuple(name for name in registry.names() if name not in registry.not_installed())
 BY_DEFAULT = ", ".join(api.stepping_engines(None))
-
-
-def able(effect: str) -> str:
-    """Return what is said of the engines that can represent an effect."""
-    names = (n for n in INSTALLED if effect in registry.engine(n).capabilities.honours)
-    return f"engines that can: {', '.join(names)}"
-
-
-def is_one_clear_message(answer: Answer, *parts: str) -> None:
-    """Assert that an answer is one message with these parts, and nothing else."""
-    assert answer.code == WRONG_USE, answer
-    assert answer.out == ""
-    assert answer.err.startswith("rockingcan: ")
-    assert len(answer.err.strip().splitlines()) == 1, answer.err
-    assert "Traceback" not in answer.err
-    for part in parts:
-        assert part in answer.err, (part, answer.err)
 
 
 # each: the line of the scene file that is replaced, what replaces it, what the message must name
@@ -220,25 +206,6 @@ def test_of_several_faults_each_line_is_a_message_of_its_own(
     lines = answer.err.splitlines()
     assert len(lines) == 2
     assert all(line.startswith(f"rockingcan: scene file '{path}'") for line in lines)
-
-
-@pytest.mark.parametrize(
-    ("law", "key"),
-    [
-        ("[effects.slip]\nmu = 0.3\nmu_static = 0.4", "slip.mu_static"),
-        ("[effects.slip]\nmu = 0.3\npatch = 1e-4", "slip.patch"),
-        ("[effects.compliance]\nstiffness = 1e7\nexponent = 1.5", "compliance.exponent"),
-        ('[effects.restitution]\ncoefficient = 0.5\nlaw = "poisson"', "restitution.law"),
-        ("[effects.contour_friction]\ncoulomb = 1e-3", "contour_friction"),
-        ("[effects.air_film]\nviscosity = 1.8e-5", "air_film"),
-    ],
-)
-def test_what_an_engine_cannot_represent_is_refused_naming_the_key_and_those_that_can(
-    rockingcan: Command, scene_file: Callable[..., Path], law: str, key: str
-) -> None:
-    path = scene_file(("[effects]", law))
-    for engine in ("mujoco", "pybullet"):
-        is_one_clear_message(rockingcan("run", str(path), "--engine", engine), key, able(key))
 
 
 @pytest.mark.parametrize(
