@@ -30,6 +30,7 @@ from reference.problem.effects import Effects
 from reference.problem.outcome import Outcome
 from reference.problem.states import Floats
 from reference.solution import Solution
+from reference.unilateral.free_body import moves_in_a_plane
 
 # Outcomes of a can that lies flat.
 FLAT = frozenset({Outcome.FELL_FLAT, Outcome.CAME_TO_REST})
@@ -55,9 +56,9 @@ class Rest:
     exponent : float or None
         p, fitted to phi = A (t_s - t)^p in the window; None where the window is too short.
     predicted : float or None
-        p of the law that takes the largest power as phi goes to zero; None without such a law.
+        p of the law that takes the largest power as phi goes to zero; None without a fit.
     law : str
-        Its name; empty without one.
+        Its name; empty without a fit.
     window : tuple of float
         phi at the end and at the beginning of the fit, rad.
     """
@@ -82,8 +83,14 @@ def powers(effects: Effects) -> dict[str, float]:
 
 
 def is_regular(solution: Solution) -> bool:
-    """Return whether a motion came to lie flat as its laws of dissipation have it."""
-    return solution.outcome in FLAT and bool(powers(solution.problem.effects))
+    """Return whether a motion came to lie flat as its laws of dissipation have it.
+
+    A fall in a plane, whose contact point does not run along the rim, is none of theirs.
+    """
+    problem = solution.problem
+    return (
+        solution.outcome in FLAT and bool(powers(problem.effects)) and not moves_in_a_plane(problem)
+    )
 
 
 def coming_to_rest(solution: Solution) -> Rest | None:
@@ -94,8 +101,10 @@ def coming_to_rest(solution: Solution) -> Rest | None:
     law = min(laws, key=lambda name: laws[name], default="")
     predicted = 1 / (1 - laws[law]) if law else None
     exponent, window = None, (0.0, 0.0)
-    if predicted is not None:
+    if predicted is not None and is_regular(solution):
         exponent, window = _fitted(solution, predicted)
+    if exponent is None:
+        law, predicted = "", None
     return Rest(
         time=_time(solution), exponent=exponent, predicted=predicted, law=law, window=window
     )

@@ -147,3 +147,13 @@ def test_a_can_that_falls_flat_without_dissipation_has_no_law() -> None:
     rest = coming_to_rest(fell)
     assert rest is not None
     assert (rest.law, rest.exponent, rest.predicted) == ("", None, None)
+
+
+@pytest.mark.parametrize("effects", [Effects(contour=0.01), Effects(film=1e-6)])
+def test_a_fall_in_a_plane_is_no_doing_of_a_law_along_the_rim(effects: Effects) -> None:
+    fell = solve(Problem(parameters=DISK, phi=0.1, duration=10.0, effects=effects))
+    assert fell.outcome is Outcome.FELL_FLAT
+    assert not is_regular(fell)
+    rest = coming_to_rest(fell)
+    assert rest is not None
+    assert (rest.law, rest.exponent) == ("", None)

@@ -121,3 +121,11 @@ def test_a_body_of_six_degrees_of_freedom_lets_go_and_slips_the_same() -> None:
     assert np.abs(phi - there.phi).max() < 1e-9
     assert np.abs(psi - there.psi).max() < 1e-8
     assert np.abs(speeds - np.hypot(*there.slip.T)).max() < 1e-9
+
+
+def test_a_rim_that_sticks_without_kinetic_friction_is_no_frictionless_one() -> None:
+    declared = Effects(mu=0.0, mu_static=0.5)
+    found = solve(replace(ROCK, duration=3.0, effects=declared))
+    assert found.model == "coulomb"
+    assert [phase.kind for phase in found.phases] == [Kind.STICK]
+    assert solve(replace(ROCK, duration=3.0)).at(0.5).phi == pytest.approx(found.at(0.5).phi)

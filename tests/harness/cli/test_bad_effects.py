@@ -44,7 +44,7 @@ FAULTS = {
     ),
     "two dry moments": (
         "[effects.contour_friction]\ncoulomb = 0.1\n[effects.rolling_resistance]\nlength = 1e-4",
-        ("`rolling_resistance`", "`contour_friction`", "contradict"),
+        ("contour_friction.coulomb", "`rolling_resistance`"),
     ),
     "contour friction of nothing": (
         "[effects.contour_friction]\ncoulomb = 0.0",

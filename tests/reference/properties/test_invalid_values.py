@@ -189,3 +189,21 @@ def test_a_point_mass_is_inside_the_can(x: float, y: float, z: float) -> None:
         with pytest.raises(ProblemError) as refused:
             Problem(parameters=PAPER_CAN, phi=0.3, bounces=1, effects=effects)
         assert (refused.value.key, refused.value.value) == ("effects.mass", effects.mass)
+
+
+@pytest.mark.parametrize(
+    ("key", "declared"),
+    [
+        ("restitution", {"compliance": VALID[Compliance], "restitution": VALID[Restitution]}),
+        ("contour", {"mu": 0.0, "contour": 0.1}),
+        ("contour", {"contour": 0.1, "rolling_resistance": 0.1}),
+        ("patch", {"mu": 0.3, "patch": 0.1, "drilling": 0.1}),
+        ("patch", {"mu": 0.0, "patch": 0.1}),
+    ],
+)
+def test_laws_that_exclude_each_other_are_refused_by_name(
+    key: str, declared: dict[str, Any]
+) -> None:
+    with pytest.raises(EffectError) as refused:
+        Effects(**declared)
+    assert refused.value.key == key

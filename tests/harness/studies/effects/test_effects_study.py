@@ -210,9 +210,7 @@ def test_an_effect_that_contradicts_the_scene_is_said_to(
     of_kind = [one for one in found if one.verdict is EffectStatus.CONTRADICTED]
     assert {one.name for one in of_kind} == contradicted
     assert all(one.run is None and not one.changes and not one.declared for one in of_kind)
-    assert all(
-        "contradict each other" in one.why or "without friction" in one.why for one in of_kind
-    )
+    assert all("beside" in one.why or "without friction" in one.why for one in of_kind)
 
 
 @pytest.mark.slow
