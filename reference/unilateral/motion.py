@@ -10,7 +10,6 @@ sequence by the square of that time, which is round-off.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
 
 import numpy as np
 import scipy
@@ -52,6 +51,14 @@ from reference.unilateral.free_body import (
     rising,
 )
 from reference.unilateral.impact import Collision, collide
+from reference.unilateral.infinite_friction import (
+    HeldEquations,
+    HeldIntegrator,
+    How,
+    SlidingEquations,
+    SlidingIntegrator,
+    without_normal_force,
+)
 from reference.unilateral.next_contact import NODES, margin, next_contact
 from reference.unilateral.path import FlightPath, UnilateralPath
 
@@ -67,8 +74,26 @@ RATTLES = 1e-13
 SLIDES = 1e-6
 # Of the velocities: a normal velocity below this share is round-off.
 STILL = 1e-15
-Onward: TypeAlias = tuple[Floats, float]
-"""A state of the rim, shape (13,), and how fast it rises from the plane; zero of one that stays."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Onward:
+    """How a can goes on.
+
+    Attributes
+    ----------
+    y : ndarray, shape (13,)
+        State of the rim.
+    rise : float
+        How fast the rim rises from the plane; zero of one that stays.
+    how : How or None
+        How a rim goes on that can neither stick nor leave the plane.
+    """
+
+    y: Floats
+    rise: float = 0.0
+    how: How | None = None
+
 
 JAMS = frozenset({Outcome.JAMMED, Outcome.INCONSISTENT})
 
@@ -127,11 +152,11 @@ class UnilateralMotion:
         else:
             arrived = self._roll(y, new=True)
         while not self._watch.ended() and arrived is not None:
-            y, rise = arrived
+            y, rise = arrived.y, arrived.rise
             if self._evaluations > MOST_WORK:
                 self._watch.end(float(y[TIME]), Outcome.OUTWORKED)
                 break
-            arrived = self._fly(y, rise) if rise > 0.0 else self._roll(y)
+            arrived = self._fly(y, rise) if rise > 0.0 else self._roll(y, how=arrived.how)
         path = UnilateralPath(self._parts, self._starts)
         track = self._watch.track()
         there = path.at(track.times)
@@ -172,18 +197,32 @@ class UnilateralMotion:
             else:
                 self._phases.append(phase)
 
-    def _roll(self, y: Floats, *, new: bool = False) -> Onward | None:
-        """Follow the rim on the plane; return how it goes on after what ends that, if it does."""
-        integrator = self._integrator(y, None if new else self._watch)
+    def _roll(self, y: Floats, *, new: bool = False, how: How | None = None) -> Onward | None:
+        """Follow the rim on the plane; return how it goes on after what ends that, if it does.
+
+        Parameters
+        ----------
+        y : ndarray, shape (13,)
+        new : bool
+            Whether this is the release.
+        how : How, optional
+            How a rim that never slips goes on that can neither stick nor leave the plane.
+        """
+        if np.isinf(self._equations.mu) and y[SLIP].any():
+            how = How.SLIDES
+        integrator = self._integrator(y, None if new else self._watch, how)
         path = integrator.follow()
         self._watch = integrator.watch
         state, evaluations = integrator.reached
-        self._evaluations += evaluations
+        self._evaluations += evaluations + 1
         self._steps += len(path.pieces)
         self._add(path, float(y[TIME]), path.phases())
         y, outcome = state, self._watch.outcome
         if outcome is Outcome.LIFTED:
-            return self._lift(y)
+            self._watch.go_on()
+            # a slide under infinite friction that has stopped is held, if that takes no pull
+            stops = how is How.SLIDES and not y[SLIP].any()
+            return Onward(y) if stops else self._lift(y, how)
         if outcome is Outcome.FELL_FLAT:
             self._watch.go_on()
             return self._land_flat(y)
@@ -192,22 +231,29 @@ class UnilateralMotion:
             return self._hit(y, 0.0, jams=True)
         return None
 
-    def _integrator(self, start: Floats, watch: ExtremumRecorder | None) -> HybridIntegrator:
+    def _integrator(
+        self, start: Floats, watch: ExtremumRecorder | None, how: How | None
+    ) -> HybridIntegrator:
         """Return what follows the rim on the plane from a state."""
         problem, own = self.problem, self._equations
+        p, e = problem.parameters, problem.effects
+        if how is How.SLIDES:
+            sliding = SlidingEquations(parameters=p, effects=without_normal_force(e))
+            return SlidingIntegrator(problem, sliding, locus=True, start=start, watch=watch)
+        if how is How.HELD:
+            held = HeldEquations(parameters=p, effects=e)
+            return HeldIntegrator(problem, held, locus=True, start=start, watch=watch)
         if isinstance(own, CompiledEquations):
             from reference.nonsmooth.compiled_integrator import CompiledIntegrator
 
             return CompiledIntegrator(problem, own, locus=True, start=start, watch=watch)
         return HybridIntegrator(problem, own, locus=True, start=start, watch=watch)
 
-    def _lift(self, y: Floats) -> Onward | None:
-        """Leave the plane, if the rim is free to."""
-        self._watch.go_on()
-        if self._acceleration(y, 0.0) < -STILL * 1e3 and np.isinf(self._equations.mu):
-            # a rim that cannot slip is held by friction where nothing presses it to the plane
-            self._watch.end(float(y[TIME]), Outcome.INCONSISTENT)
-            return None
+    def _lift(self, y: Floats, how: How | None) -> Onward | None:
+        """Leave the plane, or slide on it where the free rim would fall into it."""
+        held = np.isinf(self._equations.mu) and not y[SLIP].any()
+        if held and self._acceleration(y, 0.0) < -STILL * 1e3:
+            return Onward(y, how=How.HELD if how is None else How.SLIDES)
         return self._fly(y, 0.0, lifted=True)
 
     def _fly(
@@ -293,7 +339,7 @@ class UnilateralMotion:
     def _hit(self, y: Floats, rise: float, *, jams: bool = False) -> Onward | None:
         """Take an impact of the lower rim, and return how the can goes on after it."""
         if rise == 0.0 and not jams:
-            return y, 0.0
+            return Onward(y)
         after, struck = self._struck(y, rise, self._law.coefficient, jams=jams)
         ends = None if jams else self._ends(after, rise, float(struck.velocity[2]))
         if ends is not None:
@@ -306,7 +352,7 @@ class UnilateralMotion:
         if self._lies(after, up):
             self._rest(after, 2 * abs(rise))
             return None
-        return after, up if up > STILL * abs(rise) else 0.0
+        return Onward(after, up if up > STILL * abs(rise) else 0.0)
 
     def _record(self, y: Floats, rise: float, struck: Collision, ends: float | None = None) -> None:
         """Append an impact to those of the motion, in which extrema now have to stand out."""
@@ -370,8 +416,8 @@ class UnilateralMotion:
             self._rest(y, left)
             return None
         if rise > STILL * falling and there > STILL * falling:
-            return y, rise
-        return (other_side(y, self._body) if rise > there else y), 0.0
+            return Onward(y, rise)
+        return Onward(other_side(y, self._body) if rise > there else y)
 
     def _lies(self, y: Floats, up: float) -> bool:
         """Return whether a can lies on its face but for what it rattles there by round-off."""
