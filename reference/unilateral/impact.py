@@ -17,6 +17,10 @@ until it stops, sticks where the force of sticking lies inside the cone, and sli
 does not. A slip whose direction stays makes this linear in p; where the direction turns it is
 integrated to round-off in a time in which it is smooth, dp = |u_t| ds.
 
+Infinite friction is the limit of these laws: a slip has the impulse (-u_t/|u_t|, 0) of the size q =
+mu p, with p = 0. Mostly it stops before p is anything; an impact whose slip lifts the rim out of
+the plane before that is over while it still slides, and its restitution is measured by q.
+
 Newton's law with friction may make energy (Kane's paradox); the energetic law never does, for
 neither the normal impulse nor friction then works more than it takes. An impact whose law would
 make energy, or has no answer inside the cone, is computed by the energetic law with the same e, and
@@ -45,6 +49,8 @@ DIRECTIONS = 72
 # Of a motion in a plane that direction is a whole multiple of pi: none of the samples is.
 ASIDE = 0.01
 TOLERANCE = 1e-13
+# Of the velocities: the normal velocity at which a rim that jams is driven into the plane.
+DRIVEN = 1e-10
 ASTRAY = 100.0
 NORMAL = 2
 
@@ -125,11 +131,9 @@ def _newton(D: Floats, u: Floats, mu: float, e: float) -> tuple[Floats, Floats] 
     impulse: Floats = np.asarray(np.linalg.solve(D, target - u))
     if impulse[NORMAL] >= 0 and hypot(*impulse[:2]) <= mu * impulse[NORMAL]:
         return impulse, target
-    if isinf(mu):
-        return None
 
     def sliding(angle: float) -> Floats:
-        way = np.array([-mu * cos(angle), -mu * sin(angle), 1.0])
+        way = _push(mu, cos(angle), sin(angle))
         mobility = float((D @ way)[NORMAL])
         return np.asarray(way * (-(1 + e) * u[NORMAL] / mobility)) if mobility > 0 else way * inf
 
@@ -148,6 +152,16 @@ def _newton(D: Floats, u: Floats, mu: float, e: float) -> tuple[Floats, Floats] 
         key=lambda angle: abs((angle - start + pi) % (2 * pi) - pi),
     )
     return outcome(angles[0]) if angles else None
+
+
+def _push(mu: float, ahead: float, aside: float) -> Floats:
+    """Return the impulse on a rim that slides in a direction; of a unit of normal impulse.
+
+    Of infinite friction that of a unit of friction.
+    """
+    if isinf(mu):
+        return np.array([-ahead, -aside, 0.0])
+    return np.array([-mu * ahead, -mu * aside, 1.0])
 
 
 def _aligned(velocity: Callable[[float], Floats]) -> list[float]:
@@ -173,10 +187,20 @@ def _aligned(velocity: Callable[[float], Floats]) -> list[float]:
 
 @dataclass(slots=True)
 class _Progress:
-    """An impact on its way: impulse, velocity, and the work of the normal impulse."""
+    """An impact on its way.
+
+    Attributes
+    ----------
+    impulse, velocity : ndarray, shape (3,)
+    pressed : float
+        The normal impulse; of a slip under infinite friction its friction instead.
+    work : float
+        Of that impulse along the normal velocity.
+    """
 
     impulse: Floats
     velocity: Floats
+    pressed: float = 0.0
     work: float = 0.0
 
 
@@ -185,17 +209,9 @@ def _followed(
 ) -> tuple[Floats, Floats]:
     """Return impulse and velocity after it of Poisson's or the energetic law: follow the slip."""
     now = _Progress(impulse=np.zeros(3), velocity=u.astype(float).copy())
-    if isinf(mu):
-        # the slip is stopped before the normal impulse is any
-        stop = np.zeros(3)
-        stop[:2] = -np.linalg.solve(D[:2, :2], now.velocity[:2])
-        now = _Progress(impulse=stop, velocity=now.velocity + D @ stop)
-        now.velocity[:2] = 0.0
-        if now.velocity[NORMAL] >= 0:
-            return now.impulse, now.velocity
     # of a rim that jams, whose normal velocity is zero, the impulse compresses before it lets go
     _phase(D, mu, now, compress=True, most=inf, work=inf, jams=jams)
-    at_most, stored = float(now.impulse[NORMAL]), -now.work
+    at_most, stored = now.pressed, -now.work
     if e > 0.0:
         most = (1 + e) * at_most if law == POISSON else inf
         work = e * e * stored if law == ENERGETIC else inf
@@ -221,8 +237,12 @@ def _phase(
     impulse, or its work, is what is asked for.
     """
     size = max(float(np.abs(now.velocity).max()), np.finfo(float).tiny)
+    slid = isinf(mu) and hypot(now.velocity[0], now.velocity[1]) > STOPPED * size
     for _ in range(16):
         slip, way = _direction(D, mu, now, size)
+        if isinf(mu) and slip == 0.0 and not compress and slid:
+            # of a restitution whose measure is the friction nothing is left
+            return
         answer = D @ way
         if slip == 0.0 and hypot(answer[0], answer[1]) <= HELD * float(np.abs(answer).max()):
             # what is held does not move by the round-off of what holds it
@@ -234,12 +254,14 @@ def _phase(
             <= STOPPED * slip * float(np.abs(answer).max())
         )
         if not straight:
-            if _turn(D, mu, now, compress=compress, most=most, work=work):
+            if _turn(D, mu, now, compress=compress, most=most, work=work, jams=jams):
                 return
+            jams = jams and now.velocity[NORMAL] >= 0.0
             continue
         # how much more until the slip stops, and until the phase is over
         closing = -(now.velocity[0] * answer[0] + now.velocity[1] * answer[1])
-        stops = slip * slip / closing if closing > 0 else inf
+        # without friction nothing stops it: it turns as it likes
+        stops = slip * slip / closing if closing > 0 and mu > 0.0 else inf
         ends = _until(now, float(answer[NORMAL]), compress=compress, most=most, work=work)
         if jams and slip > 0.0:
             ends = inf
@@ -248,22 +270,30 @@ def _phase(
         p = min(ends, stops)
         before = float(now.velocity[NORMAL])
         now.impulse = now.impulse + way * p
+        now.pressed += p
         now.velocity = now.velocity + answer * p
         now.work += p * (before + float(now.velocity[NORMAL])) / 2
         if stops <= ends:
-            now.velocity[:2] = 0.0
+            _stop(mu, now, compress=compress)
         if ends <= stops:
             if compress:
                 now.velocity[NORMAL] = 0.0
             return
 
 
+def _stop(mu: float, now: _Progress, *, compress: bool) -> None:
+    """Stop the slip: from now on the normal impulse is the measure of compression."""
+    now.velocity[:2] = 0.0
+    if isinf(mu) and compress:
+        now.pressed = now.work = 0.0
+
+
 def _direction(D: Floats, mu: float, now: _Progress, size: float) -> tuple[float, Floats]:
     """Return the slip, zero where it has stopped, and the impulse per unit of normal impulse."""
     slip = hypot(now.velocity[0], now.velocity[1])
-    if slip > STOPPED * size and isfinite(mu):
+    if slip > STOPPED * size:
         ahead, aside = (now.velocity[:2] / slip).tolist()
-        return slip, np.array([-mu * ahead, -mu * aside, 1.0])
+        return slip, _push(mu, ahead, aside)
     now.velocity[:2] = 0.0
     return 0.0, _from_rest(D, mu)
 
@@ -276,7 +306,7 @@ def _until(now: _Progress, slope: float, *, compress: bool, most: float, work: f
             return 0.0
         return -fast / slope if slope > 0 else inf
     if not isinf(most):
-        return max(most - float(now.impulse[NORMAL]), 0.0)
+        return max(most - now.pressed, 0.0)
     # p (fast + slope p/2) = work - done
     left = max(work - now.work, 0.0)
     if slope == 0:
@@ -292,7 +322,7 @@ def _from_rest(D: Floats, mu: float) -> Floats:
         return hold
 
     def sliding(angle: float) -> Floats:
-        return np.array([-mu * cos(angle), -mu * sin(angle), 1.0])
+        return _push(mu, cos(angle), sin(angle))
 
     # the slip that begins keeps its direction, along what friction leaves of its acceleration
     angles = _aligned(lambda angle: np.asarray(D @ sliding(angle)))
@@ -307,27 +337,36 @@ def _from_rest(D: Floats, mu: float) -> Floats:
 
 
 def _turn(
-    D: Floats, mu: float, now: _Progress, *, compress: bool, most: float, work: float
+    D: Floats,
+    mu: float,
+    now: _Progress,
+    *,
+    compress: bool,
+    most: float,
+    work: float,
+    jams: bool,
 ) -> bool:
     """Follow a slip that turns; return whether the phase is over, and else the slip has stopped.
 
-    In the logarithm of the slip and its direction, with dp = |u_t| ds, the equations are smooth.
+    A rim that jams is followed until its normal velocity has a sign, for then the phase may be
+    over. In the logarithm of the slip and its direction, with dp = |u_t| ds, the equations are smooth.
     """
     start = hypot(now.velocity[0], now.velocity[1])
-    limit = STOPPED * max(float(np.abs(now.velocity).max()), start) / 2
+    size = max(float(np.abs(now.velocity).max()), start)
+    limit, rubs = STOPPED * size / 2, 1.0 if isinf(mu) else mu
 
     def rates(_: float, y: Floats) -> list[float]:
         # a trial step may go far astray before it is refused
         slip, c, s = np.exp(min(float(y[0]), ASTRAY)), cos(y[1]), sin(y[1])
-        a = D @ np.array([-mu * c, -mu * s, 1.0])
+        a = D @ _push(mu, c, s)
         return [
             a[0] * c + a[1] * s,
             a[1] * c - a[0] * s,
             slip,
             slip * a[2],
             slip * y[3],
-            -slip * mu * c,
-            -slip * mu * s,
+            -slip * rubs * c,
+            -slip * rubs * s,
         ]
 
     def over(_: float, y: Floats) -> float:
@@ -340,18 +379,21 @@ def _turn(
     def stops(_: float, y: Floats) -> float:
         return float(y[0] - np.log(limit))
 
+    def driven(_: float, y: Floats) -> float:
+        return float(y[3]) + DRIVEN * size
+
     over.terminal, over.direction = True, 1.0  # type: ignore[attr-defined] # scipy's interface
+    driven.terminal = True  # type: ignore[attr-defined]
     stops.terminal = True  # type: ignore[attr-defined]
     begun = [
         np.log(start),
         atan2(now.velocity[1], now.velocity[0]),
-        float(now.impulse[NORMAL]),
+        now.pressed,
         float(now.velocity[NORMAL]),
         now.work,
         float(now.impulse[0]),
         float(now.impulse[1]),
     ]
-    size = max(float(np.abs(now.velocity).max()), start)
     found = scipy.integrate.solve_ivp(
         rates,
         (0.0, 1e6 / float(np.abs(D).max())),
@@ -359,16 +401,19 @@ def _turn(
         method="DOP853",
         rtol=TOLERANCE,
         atol=TOLERANCE * np.array([1.0, 1.0, size, size, size * size, size, size]) / 10,
-        events=(over, stops),
+        events=(driven if jams else over, stops),
     )
     y = found.y[:, -1]
     slip = float(np.exp(y[0]))
-    now.impulse = np.array([y[5], y[6], y[2]])
+    now.pressed = float(y[2])
+    now.impulse = np.array([y[5], y[6], 0.0 if isinf(mu) else y[2]])
     now.velocity = np.array([slip * cos(y[1]), slip * sin(y[1]), y[3]])
     now.work = float(y[4])
+    if jams and found.t_events[0].size:
+        return False
     if found.t_events[0].size:
         if compress:
             now.velocity[NORMAL] = 0.0
         return True
-    now.velocity[:2] = 0.0
+    _stop(mu, now, compress=compress)
     return False

@@ -10,9 +10,9 @@ coefficient mu it slides there, in a direction e, with
 (`reference.nonsmooth.slip_onset`), and this has the limit N = 0 and P = n/(D_zt e): a friction that
 keeps the rim out of the plane all by itself, where it slides so that friction lifts it. Motions
 differ by a first order of 1/mu. On the edge, N = 0 of the rim that is held, the direction has no
-length: the rim is held a little beyond it, as it is beyond the edge of every cone. Here P takes the place of N where laws of the contact ask whether
-the plane pushes, and -D_zt e that of the normal mobility. Moments that are proportional to the
-normal force are none.
+length: the rim is held a little beyond it, as it is beyond the edge of every cone. Here P takes the
+place of N where laws of the contact ask whether the plane pushes, and -D_zt e that of the normal
+mobility. Moments that are proportional to the normal force are none.
 """
 
 from dataclasses import dataclass, replace
@@ -23,7 +23,8 @@ import numpy as np
 from reference.equations.contact_laws import Contact, Mode
 from reference.equations.frames import length
 from reference.equations.newton_euler import NORMAL, SLIP_1, SLIP_2, GeneralEquations
-from reference.equations.state_vector import TIME, U1, U2
+from reference.equations.state_vector import SLIP, TIME, U1, U2
+from reference.nonsmooth.events import Event, EventKind
 from reference.nonsmooth.hybrid_integrator import HybridIntegrator
 from reference.nonsmooth.segments import Segment, SegmentsPath
 from reference.nonsmooth.slip_onset import BEYOND
@@ -31,6 +32,9 @@ from reference.nonsmooth.stopping import halted
 from reference.problem.effects import Effects
 from reference.problem.outcome import Outcome
 from reference.problem.states import Floats, States
+
+# A slip where P changes its sign: the roots of events are exact to the round-off of a step.
+PASSED = 1e-12
 
 
 class How(Enum):
@@ -128,3 +132,17 @@ class SlidingIntegrator(HybridIntegrator):
         self._y, mode = halted(self._equations, self._y, self._mode)
         if not mode.slips:
             self.watch.end(float(self._y[TIME]), Outcome.LIFTED)
+
+    def _switch(self, event: Event | None) -> None:
+        """End the slide also where a step has passed its stop.
+
+        The friction -P e is the same of e and of -e, so that a step does not notice the stop; P and
+        the mobility change their signs there.
+        """
+        over = event is not None and event.what in {EventKind.JAMS, EventKind.LIFTS}
+        if over and np.hypot(*self._y[SLIP]) < PASSED:
+            self._y = self._y.copy()
+            self._y[SLIP] = 0.0
+            self.watch.end(float(self._y[TIME]), Outcome.LIFTED)
+        else:
+            super()._switch(event)
