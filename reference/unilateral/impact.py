@@ -244,7 +244,8 @@ def _phase(
             # of a restitution whose measure is the friction nothing is left
             return
         answer = D @ way
-        if slip == 0.0 and hypot(answer[0], answer[1]) <= HELD * float(np.abs(answer).max()):
+        held = isinf(mu) or hypot(answer[0], answer[1]) <= HELD * float(np.abs(answer).max())
+        if slip == 0.0 and held:
             # what is held does not move by the round-off of what holds it
             answer[:2] = 0.0
         straight = (
@@ -406,7 +407,7 @@ def _turn(
     y = found.y[:, -1]
     slip = float(np.exp(y[0]))
     now.pressed = float(y[2])
-    now.impulse = np.array([y[5], y[6], 0.0 if isinf(mu) else y[2]])
+    now.impulse = np.array([y[5], y[6], now.impulse[NORMAL] if isinf(mu) else y[2]])
     now.velocity = np.array([slip * cos(y[1]), slip * sin(y[1]), y[3]])
     now.work = float(y[4])
     if jams and found.t_events[0].size:

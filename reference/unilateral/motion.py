@@ -2,10 +2,9 @@
 
 On the rim it follows the equations of `reference.nonsmooth`; where the normal force falls to zero
 it flies (`reference.unilateral.flight`), and where a rim meets the plane an impact
-(`reference.unilateral.impact`) decides how it goes on. An infinite sequence of impacts in a finite
-time (Zeno's) is followed one by one until what is left of it is shorter than the square root of
-round-off: then one impact without restitution and the motion on the rim after it differ from the
-sequence by the square of that time, which is round-off.
+(`reference.unilateral.impact`) decides how it goes on. Of an infinite sequence of impacts
+(`reference.unilateral.zeno`) the rest is one impact without restitution and the motion on the rim
+after it, which differ from the sequence by the square of its time: round-off.
 """
 
 from collections.abc import Sequence
@@ -15,7 +14,7 @@ import numpy as np
 import scipy
 
 from reference.equations.compiled_equations import CompiledEquations
-from reference.equations.contact_laws import Equations, Impact, Kind, Mode, Phase
+from reference.equations.contact_laws import Equations, Impact, Kind, Phase
 from reference.equations.coulomb import CoulombEquations
 from reference.equations.frames import to_body, to_level
 from reference.equations.newton_euler import GeneralEquations
@@ -43,11 +42,11 @@ from reference.smooth.extrema import SHARE_OF_BOUNCE, ExtremumRecorder, Run
 from reference.unilateral.flight import Flight
 from reference.unilateral.free_body import (
     Body,
+    at_lowest,
     launch_of,
     moves_in_a_plane,
     on_rim,
-    other_side,
-    rise_of_other_side,
+    rises_of_face,
     rising,
 )
 from reference.unilateral.impact import Collision, collide
@@ -59,21 +58,20 @@ from reference.unilateral.infinite_friction import (
     SlidingIntegrator,
     without_normal_force,
 )
-from reference.unilateral.next_contact import NODES, margin, next_contact
+from reference.unilateral.next_contact import NODES, next_contact
 from reference.unilateral.path import FlightPath, UnilateralPath
+from reference.unilateral.zeno import (
+    ENDLESS,
+    ENDLESS_ROCKING,
+    STILL,
+    acceleration,
+    end_of_bounces,
+    left_of_rocking,
+    lies_flat,
+)
 
-# What is left of a sequence of impacts, in units of the fastest rate: its square is round-off.
-ENDLESS = 1e-8
-# The same of a can that rocks on its face without slipping, whose rocking times are a geometric
-# sequence but for their third powers.
-ENDLESS_ROCKING = 5e-6
-# Square of the velocities, and height over R, below which a can lies on its face: its flights are
-# shorter than 1e-6, and their heights near round-off.
-RATTLES = 1e-13
 # What lies on its face and slides or turns no faster is at rest, as exact as its rattling is.
 SLIDES = 1e-6
-# Of the velocities: a normal velocity below this share is round-off.
-STILL = 1e-15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -252,7 +250,7 @@ class UnilateralMotion:
     def _lift(self, y: Floats, how: How | None) -> Onward | None:
         """Leave the plane, or slide on it where the free rim would fall into it."""
         held = np.isinf(self._equations.mu) and not y[SLIP].any()
-        if held and self._acceleration(y, 0.0) < -STILL * 1e3:
+        if held and acceleration(self._body, y, 0.0) < -STILL * 1e3:
             return Onward(y, how=How.HELD if how is None else How.SLIDES)
         return self._fly(y, 0.0, lifted=True)
 
@@ -308,16 +306,6 @@ class UnilateralMotion:
                 return after
         return None
 
-    def _acceleration(self, y: Floats, rise: float) -> float:
-        """Return the vertical acceleration of the gap of a rim without a force of the plane."""
-        flight = Flight(self._body, launch_of(y, self._body, rise=rise))
-        bend = float(margin(flight, flight.at(np.zeros(1)))[2][0])
-        r, at = self._body.effects.rim, Angles.of(y[LEAN])
-        if r == 1.0:
-            return bend
-        S, falling = (1 - r) * float(at.S), -(1 - r) * float(at.C * y[W2])
-        return (bend - 2 * rise * (rise + 2 * falling)) / (2 * S)
-
     def _struck(
         self, y: Floats, rise: float, e: float, *, jams: bool = False
     ) -> tuple[Floats, Collision]:
@@ -341,7 +329,7 @@ class UnilateralMotion:
         if rise == 0.0 and not jams:
             return Onward(y)
         after, struck = self._struck(y, rise, self._law.coefficient, jams=jams)
-        ends = None if jams else self._ends(after, rise, float(struck.velocity[2]))
+        ends = None if jams else end_of_bounces(self._body, after, rise, float(struck.velocity[2]))
         if ends is not None:
             after, struck = self._struck(y, rise, 0.0)
         self._record(y, rise, struck, ends)
@@ -349,7 +337,7 @@ class UnilateralMotion:
         up = float(struck.velocity[2])
         if self._watch.ended():
             return None
-        if self._lies(after, up):
+        if lies_flat(after, up):
             self._rest(after, 2 * abs(rise))
             return None
         return Onward(after, up if up > STILL * abs(rise) else 0.0)
@@ -376,68 +364,34 @@ class UnilateralMotion:
         if one * other < 0:
             self._watch.extremum(float(after[TIME]), snapshot_of(after), maximum=one < 0)
 
-    def _ends(self, after: Floats, rise: float, up: float) -> float | None:
-        """Return when the sequence of impacts ends, if that is at once but for round-off."""
-        ratio = up / -rise
-        if up <= 0.0 or ratio >= 1.0:
-            return None
-        falls = -self._acceleration(after, up)
-        if falls <= 0.0:
-            return None
-        left = 2 * up / falls / (1 - ratio)
-        precession = abs(float(after[W1] / Angles.of(after[LEAN]).S))
-        rate = 1 + float(np.abs(after[TURN]).max()) + precession
-        return float(after[TIME]) + left if left * rate < ENDLESS else None
-
     def _land_flat(self, y: Floats) -> Onward | None:
         """Take the impacts of a can that meets the plane with its whole face.
 
-        The point opposite to the contact hits first. Where the can is so flat that this drives the
-        contact into the plane, that is hit in turn, and so on; the limit of these impacts, all at
-        one instant, is the state from which the can goes on.
+        The point of the rim that falls fastest hits first. Where this drives another point into the
+        plane, that is hit in turn, and so on; the limit of these impacts, all at one instant, is
+        the state from which the can goes on.
         """
-        rise, there = 0.0, rise_of_other_side(y, 0.0, self._body)
-        falling, before = abs(there), y
+        rise, before = 0.0, y
+        there, fastest = rises_of_face(y, rise, self._body)
+        falling = abs(there)
         while there < -STILL * falling:
-            y = other_side(y, self._body)
+            y = at_lowest(y, self._body)
             after, struck = self._struck(y, there, self._law.coefficient)
             self._record(y, there, struck)
             y, rise = after, float(struck.velocity[2])
-            there = rise_of_other_side(y, rise, self._body)
+            there, fastest = rises_of_face(y, rise, self._body)
         self._watch.extremum(float(y[TIME]), snapshot_of(before), maximum=False)
         if self._watch.ended():
             return None
-        left = self._left_flat(y, rise, max(rise, there), falling)
-        if rise > STILL * falling and self._lies(y, max(rise, there)):
+        left = left_of_rocking(self._general, y, rise, fastest, falling)
+        if rise > STILL * falling and lies_flat(y, fastest):
             self._rest(y, left if left < np.inf else 0.0)
             return None
         rolls = rise <= STILL * falling and not y[SLIP].any() and not before[SLIP].any()
         if left < (ENDLESS_ROCKING if rolls else ENDLESS):
             self._rest(y, left)
             return None
-        if rise > STILL * falling and there > STILL * falling:
-            return Onward(y, rise)
-        return Onward(other_side(y, self._body) if rise > there else y)
-
-    def _lies(self, y: Floats, up: float) -> bool:
-        """Return whether a can lies on its face but for what it rattles there by round-off."""
-        at = Angles.of(y[LEAN])
-        level = to_level(y[TURN, None], Angles.of(y[LEAN, None]))[:2, 0]
-        return bool(float(at.S) + up * up + float(level @ level) < RATTLES)
-
-    def _left_flat(self, y: Floats, rise: float, fastest: float, falling: float) -> float:
-        """Return how long a can goes on that rocks from side to side of its face, ever less."""
-        if fastest <= STILL * falling:
-            return 0.0
-        ratio = fastest / falling
-        if ratio >= 1.0:
-            return np.inf
-        falls = 1.0
-        if rise <= STILL * falling:
-            mode = Mode(slips=bool(y[SLIP].any()))
-            rates = self._general.rates(y[:, None], mode)[:, 0]
-            falls = 2 * (1 - self._body.effects.rim) * float(rates[W2] / rates[TIME])
-        return 2 * fastest / falls / (1 - ratio) if falls > 0 else np.inf
+        return Onward(at_lowest(y, self._body), there if there > STILL * falling else 0.0)
 
     def _rest(self, y: Floats, left: float) -> None:
         """End a motion that lies flat: at rest, unless it slides or turns on its face."""
