@@ -68,7 +68,7 @@ class SlidingEquations(GeneralEquations):
 
     def _law(self, y: Floats, mode: Mode, motion: Floats | None = None) -> Floats:
         """Return the force of a unit of friction; of a normal force where the rim is held."""
-        law = GeneralEquations._law(self, y, mode, motion)
+        law = super(SlidingEquations, self)._law(y, mode, motion)
         if mode.slips:
             law[[SLIP_1, SLIP_2]] = -y[[U1, U2]] / length(y[U1], y[U2])
             law[NORMAL] = 0.0

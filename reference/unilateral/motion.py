@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import scipy
 
 from reference.equations.compiled_equations import CompiledEquations
 from reference.equations.contact_laws import Equations, Impact, Kind, Phase
@@ -50,6 +49,7 @@ from reference.unilateral.free_body import (
     rising,
 )
 from reference.unilateral.impact import Collision, collide
+from reference.unilateral.impact_process import push
 from reference.unilateral.infinite_friction import (
     HeldEquations,
     HeldIntegrator,
@@ -70,6 +70,8 @@ from reference.unilateral.zeno import (
     lies_flat,
 )
 
+# Of a mobility along the normal: below it a rim jams, also by what rounds it.
+JAMMED = 1e-4
 # What lies on its face and slides or turns no faster is at rest, as exact as its rattling is.
 SLIDES = 1e-6
 
@@ -224,7 +226,7 @@ class UnilateralMotion:
         if outcome is Outcome.FELL_FLAT:
             self._watch.go_on()
             return self._land_flat(y)
-        if outcome in JAMS and y[SLIP].any():
+        if outcome in JAMS and y[SLIP].any() and self._jams(y):
             self._watch.go_on()
             return self._hit(y, 0.0, jams=True)
         return None
@@ -288,19 +290,7 @@ class UnilateralMotion:
 
     def _extrema(self, path: FlightPath) -> float | None:
         """Report the extrema of phi in a flight; return when the motion ends at one."""
-        times, states = path.nodes()
-        slopes = states.phi_dot
-        for i in np.flatnonzero(np.sign(slopes[:-1]) * np.sign(slopes[1:]) < 0).tolist():
-            after = float(
-                scipy.optimize.brentq(
-                    lambda s: float(path.at(np.array([path.start + s])).phi_dot[0]),
-                    times[i] - path.start,
-                    times[i + 1] - path.start,
-                    xtol=1e-15,
-                    rtol=1e-15,
-                )
-            )
-            maximum = bool(slopes[i] > 0)
+        for after, maximum in path.extrema():
             self._watch.extremum(path.start + after, path.snapshot(after), maximum=maximum)
             if self._watch.ended():
                 return after
@@ -323,6 +313,14 @@ class UnilateralMotion:
             # flat
             after[[W1, W3, U2]] = 0.0
         return after, struck
+
+    def _jams(self, y: Floats) -> bool:
+        """Return whether it is friction that drives a sliding rim into the plane.
+
+        Moments in proportion to the normal force do so, too, but give no impulse.
+        """
+        D, ahead = self._general.mobility(y)[5, 3:], y[SLIP] / np.hypot(*y[SLIP])
+        return bool(D @ push(self._equations.mu, *ahead.tolist()) < JAMMED)
 
     def _hit(self, y: Floats, rise: float, *, jams: bool = False) -> Onward | None:
         """Take an impact of the lower rim, and return how the can goes on after it."""
