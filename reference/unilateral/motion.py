@@ -70,6 +70,8 @@ from reference.unilateral.zeno import (
     lies_flat,
 )
 
+# In g: more than the round-off of an acceleration.
+FALLS = 1e-6
 # Of a mobility along the normal: below it a rim jams, also by what rounds it.
 JAMMED = 1e-4
 # What lies on its face and slides or turns no faster is at rest, as exact as its rattling is.
@@ -254,6 +256,10 @@ class UnilateralMotion:
         held = np.isinf(self._equations.mu) and not y[SLIP].any()
         if held and acceleration(self._body, y, 0.0) < -STILL * 1e3:
             return Onward(y, how=How.HELD if how is None else How.SLIDES)
+        if self._general.fluid and acceleration(self._body, y, 0.0) < -FALLS:
+            # a moment that only a rim on the plane has keeps it from falling into the plane
+            self._watch.end(float(y[TIME]), Outcome.INCONSISTENT)
+            return None
         return self._fly(y, 0.0, lifted=True)
 
     def _fly(
