@@ -51,7 +51,7 @@ from reference.nonsmooth.slip_onset import (
     onset,
     reserve,
 )
-from reference.nonsmooth.stopping import at_rest
+from reference.nonsmooth.stopping import LANDING, at_rest
 from reference.problem.outcome import Outcome
 from reference.problem.states import Floats
 
@@ -110,6 +110,9 @@ class ModeTransition:
 def begin_on_rim(equations: Equations, y: Floats) -> tuple[Floats, ModeTransition]:
     """Return a state on the rim, shape (13,), with all held that rests, and how it goes on."""
     mode = Mode(slips=bool(moving(equations, y).any()))
+    if equations.fluid and y[LEAN] < LANDING:
+        # fluid below a can that all but lies on the plane holds its contact point
+        return land(equations, y, mode)
     if equations.resistance and stands(y[:, None])[0]:
         y, mode = at_rest(y, mode)
     return y, begin(equations, y, mode)

@@ -387,15 +387,16 @@ class UnilateralMotion:
         self._watch.extremum(float(y[TIME]), snapshot_of(before), maximum=False)
         if self._watch.ended():
             return None
-        left = left_of_rocking(self._general, y, rise, fastest, falling)
-        if rise > STILL * falling and lies_flat(y, fastest):
+        y = at_lowest(y, self._body)
+        left = left_of_rocking(self._general, y, there, fastest, falling)
+        if there > STILL * falling and lies_flat(y, fastest):
             self._rest(y, left if left < np.inf else 0.0)
             return None
-        rolls = rise <= STILL * falling and not y[SLIP].any() and not before[SLIP].any()
+        rolls = there <= STILL * falling and not y[SLIP].any() and not before[SLIP].any()
         if left < (ENDLESS_ROCKING if rolls else ENDLESS):
             self._rest(y, left)
             return None
-        return Onward(at_lowest(y, self._body), there if there > STILL * falling else 0.0)
+        return Onward(y, there if there > STILL * falling else 0.0)
 
     def _rest(self, y: Floats, left: float) -> None:
         """End a motion that lies flat: at rest, unless it slides or turns on its face."""

@@ -7,10 +7,10 @@ left of it is shorter than the square root of round-off.
 
 import numpy as np
 
-from reference.equations.contact_laws import Mode
 from reference.equations.frames import to_level
 from reference.equations.newton_euler import GeneralEquations
-from reference.equations.state_vector import LEAN, SLIP, TIME, TURN, W1, W2, Angles
+from reference.equations.state_vector import LEAN, TIME, TURN, W1, W2, Angles
+from reference.nonsmooth.transitions import begin_on_rim
 from reference.problem.states import Floats
 from reference.unilateral.flight import Flight
 from reference.unilateral.free_body import Body, launch_of
@@ -84,8 +84,8 @@ def left_of_rocking(
         return np.inf
     falls = 1.0
     if rise <= STILL * falling:
-        mode = Mode(slips=bool(y[SLIP].any()))
-        rates = equations.rates(y[:, None], mode)[:, 0]
+        y, now = begin_on_rim(equations, y)
+        rates = equations.rates(now.infinitesimal(y), now.mode)[:, 0]
         falls = 2 * (1 - equations.effects.rim) * float(rates[W2] / rates[TIME])
     return 2 * fastest / falls / (1 - ratio) if falls > 0 else np.inf
 
