@@ -15,7 +15,7 @@ import numpy as np
 from reference.equations.compiled_equations import CompiledEquations
 from reference.equations.contact_laws import Equations, Impact, Kind, Phase
 from reference.equations.coulomb import CoulombEquations
-from reference.equations.frames import to_body, to_level
+from reference.equations.frames import to_body
 from reference.equations.newton_euler import GeneralEquations
 from reference.equations.state_vector import (
     DISSIPATED,
@@ -38,7 +38,7 @@ from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 from reference.smooth.extrema import SHARE_OF_BOUNCE, ExtremumRecorder, Run
-from reference.unilateral.flight import Flight
+from reference.unilateral.flight import Flight, fall_of
 from reference.unilateral.free_body import (
     Body,
     at_lowest,
@@ -125,6 +125,7 @@ class UnilateralMotion:
     _watch: ExtremumRecorder = field(init=False)
     _body: Body = field(init=False)
     _general: GeneralEquations = field(init=False)
+    _sliding: SlidingEquations = field(init=False)
     _equations: Equations = field(init=False)
     _law: Restitution = field(init=False)
     _planar: bool = field(init=False)
@@ -136,6 +137,7 @@ class UnilateralMotion:
         self._law = e.restitution or Restitution(coefficient=0.0)
         self._body = Body.of(p, e)
         self._general = GeneralEquations(parameters=p, effects=e)
+        self._sliding = SlidingEquations(parameters=p, effects=without_normal_force(e))
         plain: Equations = self._general
         if set(e.declared()) <= {"slip", "restitution"}:
             mu = np.inf if e.mu is None else e.mu
@@ -149,7 +151,9 @@ class UnilateralMotion:
         """Follow the motion, and sum up."""
         y = released(self.problem)
         if self.problem.height > 0:
-            self._watch = ExtremumRecorder(self.problem, fall=self._fall(y))
+            self._watch = ExtremumRecorder(
+                self.problem, fall=fall_of(self._body, y, self.problem.psi_dot)
+            )
             arrived = self._fly(y, 0.0, gap=self.problem.height)
         else:
             arrived = self._roll(y, new=True)
@@ -179,15 +183,6 @@ class UnilateralMotion:
             phases=tuple(self._phases),
             impacts=tuple(self.impacts),
         )
-
-    def _fall(self, y: Floats) -> float:
-        """Return phi'' of the release into the air."""
-        launch = launch_of(y, self._body)
-        there = Flight(self._body, launch).at(np.zeros(1))
-        level = to_level(y[TURN, None], Angles.of(y[LEAN, None]))[:, 0]
-        cos, sin = np.cos(launch.psi), np.sin(launch.psi)
-        slope = there.turning_rate[0] @ np.array([-sin, cos, 0.0])
-        return float(self.problem.psi_dot * level[0] - slope)
 
     def _add(self, part: SegmentsPath | FlightPath, start: float, phases: Sequence[Phase]) -> None:
         """Append a part of the path."""
@@ -238,12 +233,10 @@ class UnilateralMotion:
     ) -> HybridIntegrator:
         """Return what follows the rim on the plane from a state."""
         problem, own = self.problem, self._equations
-        p, e = problem.parameters, problem.effects
         if how is How.SLIDES:
-            sliding = SlidingEquations(parameters=p, effects=without_normal_force(e))
-            return SlidingIntegrator(problem, sliding, locus=True, start=start, watch=watch)
+            return SlidingIntegrator(problem, self._sliding, locus=True, start=start, watch=watch)
         if how is How.HELD:
-            held = HeldEquations(parameters=p, effects=e)
+            held = HeldEquations(parameters=problem.parameters, effects=problem.effects)
             return HeldIntegrator(problem, held, locus=True, start=start, watch=watch)
         if isinstance(own, CompiledEquations):
             from reference.nonsmooth.compiled_integrator import CompiledIntegrator
@@ -388,7 +381,9 @@ class UnilateralMotion:
         if self._watch.ended():
             return None
         y = at_lowest(y, self._body)
-        left = left_of_rocking(self._general, y, there, fastest, falling)
+        slides = np.isinf(self._equations.mu) and y[SLIP].any()
+        rim = self._sliding if slides else self._general
+        left = left_of_rocking(rim, y, there, fastest, falling)
         if there > STILL * falling and lies_flat(y, fastest):
             self._rest(y, left if left < np.inf else 0.0)
             return None

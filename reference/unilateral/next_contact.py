@@ -218,12 +218,13 @@ def _first_root(series: Floats, length: float, least: float) -> float | None:
 
 
 def _polished(x: float, series: Floats, slopes: Floats) -> float:
-    """Return a root on [-1, 1], by Newton's method."""
+    """Return a root on [-1, 1], by Newton's method, which leads from a double root anywhere."""
+    low, high = max(x - BESIDE, -1.0), min(x + BESIDE, 1.0)
     for _ in range(POLISHED):
         slope = float(chebyshev.chebval(x, slopes))
         if slope == 0.0:
             break
-        x = min(max(x - float(chebyshev.chebval(x, series)) / slope, -1.0), 1.0)
+        x = min(max(x - float(chebyshev.chebval(x, series)) / slope, low), high)
     return x
 
 
