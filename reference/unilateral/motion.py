@@ -151,9 +151,8 @@ class UnilateralMotion:
         """Follow the motion, and sum up."""
         y = released(self.problem)
         if self.problem.height > 0:
-            self._watch = ExtremumRecorder(
-                self.problem, fall=fall_of(self._body, y, self.problem.psi_dot)
-            )
+            fall = fall_of(self._body, y, self.problem.psi_dot)
+            self._watch = ExtremumRecorder(self.problem, fall=fall)
             arrived = self._fly(y, 0.0, gap=self.problem.height)
         else:
             arrived = self._roll(y, new=True)
