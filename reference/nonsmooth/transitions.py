@@ -36,7 +36,7 @@ from reference.equations.state_vector import (
     Angles,
     rotation,
 )
-from reference.nonsmooth.events import EventKind
+from reference.nonsmooth.events import STOPPED_BY_FLUID, EventKind
 from reference.nonsmooth.level_spin import level_turning, stands, with_level
 from reference.nonsmooth.patch_onset import growth, moving, patch_onset, rim_of, with_turning
 from reference.nonsmooth.radau_iia import integrator
@@ -110,8 +110,9 @@ class ModeTransition:
 def begin_on_rim(equations: Equations, y: Floats) -> tuple[Floats, ModeTransition]:
     """Return a state on the rim, shape (13,), with all held that rests, and how it goes on."""
     mode = Mode(slips=bool(moving(equations, y).any()))
-    if equations.fluid and y[LEAN] < LANDING:
-        # fluid below a can that all but lies on the plane holds its contact point
+    still = abs(float(rotation(y[:, None])[0])) <= STOPPED_BY_FLUID * abs(y[W2])
+    if equations.fluid and y[LEAN] < LANDING and still:
+        # fluid below a can that rises from its face holds its contact point
         return land(equations, y, mode)
     if equations.resistance and stands(y[:, None])[0]:
         y, mode = at_rest(y, mode)
