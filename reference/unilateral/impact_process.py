@@ -136,9 +136,7 @@ def _phase(
             jams = jams and now.velocity[NORMAL] >= 0.0
             continue
         # how much more until the slip stops, and until the phase is over
-        closing = -(now.velocity[0] * answer[0] + now.velocity[1] * answer[1])
-        # without friction nothing stops it: it turns as it likes
-        stops = slip * slip / closing if closing > 0 and mu > 0.0 else inf
+        stops = _until_stopped(mu, now, slip, answer)
         ends = _until(now, float(answer[NORMAL]), compress=compress, most=most, work=work)
         if jams and slip > 0.0:
             ends = inf
@@ -162,6 +160,13 @@ def _is_straight(mu: float, now: _Progress, slip: float, answer: Floats) -> bool
     """Return whether a slip changes evenly with the impulse: without turning."""
     aside = abs(answer[0] * now.velocity[1] - answer[1] * now.velocity[0])
     return slip == 0.0 or mu == 0.0 or aside <= STOPPED * slip * float(np.abs(answer).max())
+
+
+def _until_stopped(mu: float, now: _Progress, slip: float, answer: Floats) -> float:
+    """Return how much impulse is left until the slip stops."""
+    closing = -(now.velocity[0] * answer[0] + now.velocity[1] * answer[1])
+    # without friction nothing stops it: it turns as it likes
+    return slip * slip / closing if closing > 0 and mu > 0.0 else inf
 
 
 def _stop(mu: float, now: _Progress, *, compress: bool) -> None:
