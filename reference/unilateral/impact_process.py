@@ -120,16 +120,13 @@ def _phase(
     impulse, or its work, is what is asked for.
     """
     size = max(float(np.abs(now.velocity).max()), np.finfo(float).tiny)
-    slid = isinf(mu) and hypot(now.velocity[0], now.velocity[1]) > STOPPED * size
+    slid = isinf(mu) and not compress and hypot(*now.velocity[:2]) > STOPPED * size
     for _ in range(16):
         slip, way = _direction(D, mu, now, size)
-        if isinf(mu) and slip == 0.0 and not compress and slid:
+        if slip == 0.0 and slid:
             # of a restitution whose measure is the friction nothing is left
             return
-        answer = D @ way
-        if slip == 0.0 and (isinf(mu) or hypot(*answer[:2]) <= HELD * np.abs(answer).max()):
-            # what is held does not move by the round-off of what holds it
-            answer[:2] = 0.0
+        answer = _answer(D, mu, way, slip)
         if not _is_straight(mu, now, slip, answer):
             if _turn(D, mu, now, compress=compress, most=most, work=work, jams=jams):
                 return
@@ -148,12 +145,21 @@ def _phase(
         now.pressed += p
         now.velocity = now.velocity + answer * p
         now.work += p * (before + float(now.velocity[NORMAL])) / 2
+        if ends <= stops and compress:
+            now.velocity[NORMAL] = 0.0
         if stops <= ends:
             _stop(mu, now, compress=compress)
         if ends <= stops:
-            if compress:
-                now.velocity[NORMAL] = 0.0
             return
+
+
+def _answer(D: Floats, mu: float, way: Floats, slip: float) -> Floats:
+    """Return how the velocity changes with the impulse."""
+    answer: Floats = np.asarray(D @ way)
+    if slip == 0.0 and (isinf(mu) or hypot(*answer[:2]) <= HELD * np.abs(answer).max()):
+        # what is held does not move by the round-off of what holds it
+        answer[:2] = 0.0
+    return answer
 
 
 def _is_straight(mu: float, now: _Progress, slip: float, answer: Floats) -> bool:
