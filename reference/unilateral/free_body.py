@@ -157,7 +157,8 @@ def at_lowest(y: Floats, body: Body) -> Floats:
     """Return a flat can's state, shape (13,), with the point that falls fastest as its contact.
 
     The precession grows by the angle to that point, by half a turn where it is the opposite one,
-    and the rotation falls by as much.
+    and the rotation falls by as much. At that point the can does not roll along the rim: theta' is
+    zero.
     """
     at = Angles.of(y[LEAN])
     w1, w2, w3 = y[TURN].tolist()
@@ -167,7 +168,8 @@ def at_lowest(y: Floats, body: Body) -> Floats:
     cos, sin = -w2 / level, w1 / level
     moved = y.copy()
     moved[PSI] += atan2(sin, cos) if sin else (0.0 if cos > 0 else pi)
-    moved[TURN] = 0.0, -level, w3
+    # of a can so flat this moves nothing, but what friction holds on the rim starts from rest
+    moved[TURN] = w3 * float(at.S / at.C), -level, w3
     # the point goes from -radius l1 to -radius l1', the axes l1 and l2 turn with the precession
     ahead, aside = (y[SLIP] + radius * vertical * np.array([sin, 1 - cos])).tolist()
     moved[SLIP] = cos * ahead + sin * aside, cos * aside - sin * ahead
