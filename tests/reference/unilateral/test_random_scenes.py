@@ -24,6 +24,7 @@ CAME_OUT = {
     Outcome.FELL_FLAT,
     Outcome.INCONSISTENT,
     Outcome.INDETERMINATE,
+    Outcome.JAMMED,
 }
 
 
