@@ -94,6 +94,18 @@ def without_normal_force(effects: Effects) -> Effects:
 class _SlidingPath(SegmentsPath):
     """A path on which the plane only rubs."""
 
+    def _begun(
+        self, y: Floats, number: np.ndarray[tuple[int, ...], np.dtype[np.intp]], mode: Mode
+    ) -> Floats:
+        """Return states in which a slip that has stopped has the direction of its last step."""
+        y = super()._begun(y, number, mode)
+        before = self._starts[number][:, SLIP].T
+        stopped = (np.hypot(y[U1], y[U2]) < PASSED) & (np.hypot(*before) > 0)
+        if stopped.any():
+            y = y.copy()
+            y[np.ix_(SLIP, stopped)] = before[:, stopped]
+        return y
+
     def _states(self, y: Floats, number: np.ndarray[tuple[int, ...], np.dtype[np.intp]]) -> States:
         states = super()._states(y, number)
         if states.force is not None:
