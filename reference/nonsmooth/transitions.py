@@ -61,6 +61,8 @@ from reference.problem.states import Floats
 ROUNDS = 12
 AGREED = 1e-6
 LETS_GO = {EventKind.TURNS, EventKind.RUNS}
+# Round-offs of a difference that is zero.
+ULPS = 1e-14
 # In sigma: what fluid stops sooner has stopped.
 AT_ONCE = 1e-10
 # How far along to look for how the accelerations change.
@@ -120,7 +122,23 @@ def begin_on_rim(equations: Equations, y: Floats) -> tuple[Floats, ModeTransitio
             return land(equations, y, mode)
     if equations.resistance and stands(y[:, None])[0]:
         y, mode = at_rest(y, mode)
-    return y, begin(equations, y, mode)
+    now = begin(equations, y, mode)
+    if equations.contour and now.mode.runs == 0:
+        y = _still_on_rim(y)
+    return y, now
+
+
+def _still_on_rim(y: Floats) -> Floats:
+    """Return a state with theta' = 0, of one whose sin(phi) theta' is a round-off.
+
+    Of a can that all but lies on its face theta' itself is none, and would stay as it is.
+    """
+    at, along = Angles.of(y[LEAN]), float(rotation(y[:, None])[0])
+    if abs(along) <= ULPS * float(at.S) * abs(float(y[W3])):
+        return y
+    out = y.copy()
+    out[W1] = y[W3] * at.S / at.C
+    return out
 
 
 def _stopped_by_fluid(equations: Equations, y: Floats, mode: Mode) -> Floats:
