@@ -6,11 +6,12 @@ Of the ideal can that rocks for ever they are those of the closed solution
 """
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
 from reference.analysis.tangent_motion import SCALARS, constants, motion_tangents
+from reference.equations.contact_laws import Kind
 from reference.integrable.derivatives import NO_PATH, QUANTITIES, bounce_tangents
 from reference.integrable.exact_motion import ExactPath, exact_path
 from reference.integrable.tangents import BY
@@ -18,12 +19,17 @@ from reference.numerics.jets import Jet
 from reference.problem.effects import ALONG_THE_RIM, Effects
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
+from reference.solver import solve
 
 # phi_max this near the balanced can, over phi_max, is beside a separatrix.
 NEAR = 1e-3
 NO_TANGENT = (
     "The variational equations know no contact that gives way, no contour friction, no film of "
     "air, no patch and no static friction above the kinetic: no derivative is given."
+)
+HAS_IMPACTS = (
+    "The can leaves the plane in its first bounce, or has none: the variational equations are "
+    "those of a rim that stays on the plane, so no derivative is given."
 )
 
 
@@ -42,7 +48,7 @@ class Sensitivity:
     why : mapping of str to str
         Why there is none, of those quantities.
     method : str
-        "quadrature", "variational equations", or "none" of a contact that gives way.
+        "quadrature", "variational equations", or "none".
     caveats : tuple of str
         Sentences: which derivatives are of one side, and that those beside a separatrix are large.
     """
@@ -62,12 +68,25 @@ def has_tangent(effects: Effects) -> bool:
     return not (any(law is not None for law in others) or effects.patch or any(along))
 
 
+def _stays_on_plane(problem: Problem) -> bool:
+    """Return whether the first bounce of a can with restitution is one without it."""
+    if problem.height > 0:
+        return False
+    solution = solve(replace(problem, bounces=1, duration=None))
+    kinds = {Kind.STICK} if problem.effects.mu is None else {Kind.STICK, Kind.SLIP}
+    on_plane = {phase.kind for phase in solution.phases} <= kinds and not solution.impacts
+    return on_plane and bool(solution.bounces)
+
+
 def sensitivity(problem: Problem) -> Sensitivity:
     """Return the derivatives of the first bounce of a problem.
 
     A release that falls counts as the maximum that opens the bounce. So of a release at rest
     period and turn have two derivatives by phi', and the one returned is that towards phi' > 0,
     where a bounce begins at a maximum.
+
+    Where restitution is declared they are those of a first bounce without flight and impact, or
+    none.
 
     Parameters
     ----------
@@ -77,6 +96,12 @@ def sensitivity(problem: Problem) -> Sensitivity:
     if not has_tangent(problem.effects):
         by = (*BY, *constants(problem.effects))
         return _filled(by, {}, dict.fromkeys(QUANTITIES, NO_TANGENT), "none", ())
+    if problem.effects.restitution is not None:
+        if not _stays_on_plane(problem):
+            by = (*BY, *constants(problem.effects))
+            return _filled(by, {}, dict.fromkeys(QUANTITIES, HAS_IMPACTS), "none", ())
+        # a motion without impacts is that of the same can without restitution
+        problem = replace(problem, effects=replace(problem.effects, restitution=None))
     path = None if problem.effects.declared() else exact_path(problem, locus=False)
     if isinstance(path, ExactPath):
         jets, why = bounce_tangents(problem, path)

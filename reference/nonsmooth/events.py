@@ -58,6 +58,7 @@ class EventKind(Enum):
     STANDS = auto()
     RUNS = auto()
     LANDS = auto()
+    LEAVES = auto()
 
 
 KINDS = tuple(EventKind)
@@ -92,6 +93,7 @@ OF_THE_STATE = {
     EventKind.TOUCHES,
     EventKind.STANDS,
     EventKind.LANDS,
+    EventKind.LEAVES,
 }
 """Events whose margin needs the state alone, and no force, which may have no direction yet."""
 
@@ -221,12 +223,15 @@ def _margins(
         margins[EventKind.HELD] = lambda seen: mode.turns * equations.turning(seen.y)
     elif equations.drilling:
         margins[EventKind.TURNS] = lambda seen: holding(equations, seen.contact)
-    return margins if mode.lands else margins | _along_the_rim(mode, equations)
+    return margins | _along_the_rim(mode, equations)
 
 
 def _along_the_rim(mode: Mode, equations: Equations) -> dict[EventKind, Margin]:
     """Return the quantities of the motion of the contact point along the rim."""
     margins: dict[EventKind, Margin] = {}
+    if mode.lands:
+        # of a can that rises from its face
+        return {EventKind.LEAVES: lambda seen: LANDING - seen.y[LEAN]}
     if equations.fluid and not mode.rests:
         margins[EventKind.LANDS] = lambda seen: _to_landing(seen.y)
     if equations.contour and mode.runs:

@@ -302,6 +302,8 @@ class HybridIntegrator:
         elif event is not None and event.what is EventKind.LANDS:
             self._y, now = land(self._equations, self._y, self._mode)
             self._go_on(now)
+        elif event is not None and event.what is EventKind.LEAVES:
+            self._go_on(begin(self._equations, self._y, replace(self._mode, lands=False)))
         elif event is not None:
             self._go_on(begin(self._equations, self._y, self._mode, event.what))
         else:

@@ -23,8 +23,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reference.equations.contact_laws import Contact, Equations, Mode
-from reference.equations.newton_euler import GeneralEquations
+from reference.equations.newton_euler import ROLLING_1, GeneralEquations
 from reference.equations.state_vector import (
+    DISSIPATED,
     LEAN,
     SLIP,
     TURN,
@@ -36,7 +37,7 @@ from reference.equations.state_vector import (
     Angles,
     rotation,
 )
-from reference.nonsmooth.events import EventKind
+from reference.nonsmooth.events import STOPPED_BY_FLUID, EventKind
 from reference.nonsmooth.level_spin import level_turning, stands, with_level
 from reference.nonsmooth.patch_onset import growth, moving, patch_onset, rim_of, with_turning
 from reference.nonsmooth.radau_iia import integrator
@@ -51,7 +52,7 @@ from reference.nonsmooth.slip_onset import (
     onset,
     reserve,
 )
-from reference.nonsmooth.stopping import at_rest
+from reference.nonsmooth.stopping import LANDING, at_rest
 from reference.problem.outcome import Outcome
 from reference.problem.states import Floats
 
@@ -60,6 +61,10 @@ from reference.problem.states import Floats
 ROUNDS = 12
 AGREED = 1e-6
 LETS_GO = {EventKind.TURNS, EventKind.RUNS}
+# Round-offs of a difference that is zero.
+ULPS = 1e-14
+# In sigma: what fluid stops sooner has stopped.
+AT_ONCE = 1e-10
 # How far along to look for how the accelerations change.
 LATER = 1e-6
 
@@ -110,9 +115,49 @@ class ModeTransition:
 def begin_on_rim(equations: Equations, y: Floats) -> tuple[Floats, ModeTransition]:
     """Return a state on the rim, shape (13,), with all held that rests, and how it goes on."""
     mode = Mode(slips=bool(moving(equations, y).any()))
+    if equations.fluid and y[LEAN] < LANDING:
+        # fluid below a can that all but lies on its face holds its contact point
+        y = _stopped_by_fluid(equations, y, mode)
+        if abs(float(rotation(y[:, None])[0])) <= STOPPED_BY_FLUID * abs(y[W2]):
+            return land(equations, y, mode)
     if equations.resistance and stands(y[:, None])[0]:
         y, mode = at_rest(y, mode)
-    return y, begin(equations, y, mode)
+    now = begin(equations, y, mode)
+    if equations.contour and now.mode.runs == 0:
+        y = _still_on_rim(y)
+    return y, now
+
+
+def _still_on_rim(y: Floats) -> Floats:
+    """Return a state with theta' = 0, of one whose sin(phi) theta' is a round-off.
+
+    Of a can that all but lies on its face theta' itself is none, and would stay as it is.
+    """
+    at, along = Angles.of(y[LEAN]), float(rotation(y[:, None])[0])
+    if abs(along) <= ULPS * float(at.S) * abs(float(y[W3])):
+        return y
+    out = y.copy()
+    out[W1] = y[W3] * at.S / at.C
+    return out
+
+
+def _stopped_by_fluid(equations: Equations, y: Floats, mode: Mode) -> Floats:
+    """Return a state whose contact point has stopped, where fluid stops it within a round-off.
+
+    By an impulse of its moment; the energy that it takes is counted as dissipated.
+    """
+    column = y[:, None]
+    rates, along = equations.rates(column, mode)[:, 0], float(rotation(column)[0])
+    at, held = Angles.of(y[LEAN]), replace(mode, lands=True)
+    slowing = abs(float(at.S * rates[W3] - at.C * rates[W1]))
+    if not isinstance(equations, GeneralEquations) or slowing * AT_ONCE < abs(along):
+        return y
+    change = equations.impulses(y, held)[:, equations.moments_that_hold(held).index(ROLLING_1)]
+    out = y.copy()
+    out[[*TURN, *SLIP]] -= change * along / float(at.S * change[2] - at.C * change[0])
+    lost = equations.energy(column, mode) - equations.energy(out[:, None], mode)
+    out[DISSIPATED] += lost[0]
+    return out
 
 
 def begin(

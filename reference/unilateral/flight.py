@@ -16,8 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from reference.equations.frames import to_level
+from reference.equations.state_vector import LEAN, TURN, Angles
 from reference.problem.states import Floats
-from reference.unilateral.free_body import Body, Launch
+from reference.unilateral.free_body import Body, Launch, launch_of
 
 TAYLOR = 24
 # A step of the Taylor series covers this share of its radius of convergence: 0.2^25 is 3e-18.
@@ -194,6 +196,15 @@ class Flight:
         turning = float(np.linalg.norm(self.launch.turning))
         largest = float(np.diag(self.body.inertia).max() / np.diag(self.body.inertia).min())
         return 1.0 + turning * max(largest, 1.0) + self.body.effects.gravity.rate
+
+
+def fall_of(body: Body, y: Floats, psi_dot: float) -> float:
+    """Return phi'' of a can in the air, of a state (13,) that is released there."""
+    launch = launch_of(y, body)
+    there = Flight(body, launch).at(np.zeros(1))
+    level = to_level(y[TURN, None], Angles.of(y[LEAN, None]))[:, 0]
+    aside = np.array([-np.sin(launch.psi), np.cos(launch.psi), 0.0])
+    return float(psi_dot * level[0] - there.turning_rate[0] @ aside)
 
 
 def _skew(w: Floats) -> Floats:

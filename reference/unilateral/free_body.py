@@ -6,6 +6,7 @@ counting turns.
 """
 
 from dataclasses import dataclass
+from math import atan2, hypot, pi
 
 import numpy as np
 
@@ -152,27 +153,39 @@ def launch_of(y: Floats, body: Body, *, rise: float = 0.0, gap: float = 0.0) -> 
     )
 
 
-def other_side(y: Floats, body: Body) -> Floats:
-    """Return a flat can's state, shape (13,), with the opposite point of the rim as its contact.
+def at_lowest(y: Floats, body: Body) -> Floats:
+    """Return a flat can's state, shape (13,), with the point that falls fastest as its contact.
 
-    The precession grows by half a turn, and the rotation falls by as much.
+    The precession grows by the angle to that point, by half a turn where it is the opposite one,
+    and the rotation falls by as much. At that point the can does not roll along the rim: theta' is
+    zero.
     """
     at = Angles.of(y[LEAN])
-    w1, w2, w3 = y[TURN]
-    vertical, far = at.S * w1 + at.C * w3, 2 * (1 - body.effects.rim)
+    w1, w2, w3 = y[TURN].tolist()
+    vertical, radius, level = float(at.S * w1 + at.C * w3), 1 - body.effects.rim, hypot(w1, w2)
+    if level == 0.0:
+        return y
+    cos, sin = -w2 / level, w1 / level
     moved = y.copy()
-    moved[PSI] += np.pi
-    moved[TURN] = -w1, -w2, w3
-    # the opposite point is ahead along (cos psi, sin psi); its axes point backwards
-    moved[SLIP] = -y[SLIP][0], -y[SLIP][1] - far * vertical
-    moved[X] += far * np.cos(y[PSI])
-    moved[Y] += far * np.sin(y[PSI])
+    moved[PSI] += atan2(sin, cos) if sin else (0.0 if cos > 0 else pi)
+    # of a can so flat this moves nothing, but what friction holds on the rim starts from rest
+    moved[TURN] = w3 * float(at.S / at.C), -level, w3
+    # the point goes from -radius l1 to -radius l1', the axes l1 and l2 turn with the precession
+    ahead, aside = (y[SLIP] + radius * vertical * np.array([sin, 1 - cos])).tolist()
+    moved[SLIP] = cos * ahead + sin * aside, cos * aside - sin * ahead
+    moved[X] += radius * (np.cos(y[PSI]) - np.cos(moved[PSI]))
+    moved[Y] += radius * (np.sin(y[PSI]) - np.sin(moved[PSI]))
     return moved
 
 
-def rise_of_other_side(y: Floats, rise: float, body: Body) -> float:
-    """Return the vertical velocity of the opposite point of the rim of a flat can."""
-    return rise - 2 * (1 - body.effects.rim) * float(y[TURN][1])
+def rises_of_face(y: Floats, rise: float, body: Body) -> tuple[float, float]:
+    """Return the least and the largest vertical velocity of the rim of a flat can.
+
+    Of a state, shape (13,), whose contact rises at the given velocity.
+    """
+    radius, (w1, w2, _) = 1 - body.effects.rim, y[TURN].tolist()
+    middle, most = rise - radius * w2, radius * hypot(w1, w2)
+    return middle - most, middle + most
 
 
 def on_rim(launch: Launch, body: Body) -> Floats:

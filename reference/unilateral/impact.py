@@ -13,9 +13,7 @@ slides at the end P = -mu p against its last slip. The other two follow the slip
 
     du/dp = D (-mu u_t/|u_t|, 1)                                     (Darboux 1880, Keller 1986)
 
-until it stops, sticks where the force of sticking lies inside the cone, and slides anew where it
-does not. A slip whose direction stays makes this linear in p; where the direction turns it is
-integrated to round-off in a time in which it is smooth, dp = |u_t| ds.
+as `reference.unilateral.impact_process` does. Infinite friction is the limit of these laws.
 
 Newton's law with friction may make energy (Kane's paradox); the energetic law never does, for
 neither the normal impulse nor friction then works more than it takes. An impact whose law would
@@ -23,30 +21,17 @@ make energy, or has no answer inside the cone, is computed by the energetic law 
 says so.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
-from math import atan2, cos, hypot, inf, isfinite, isinf, pi, sin, sqrt
+from math import atan2, cos, hypot, inf, pi, sin
 
 import numpy as np
-import scipy
 
 from reference.problem.states import Floats
+from reference.unilateral.impact_process import ENERGETIC, NORMAL, aligned, followed, push
 
-NEWTON, POISSON, ENERGETIC = "newton", "poisson", "energetic"
-# Of the velocities: a slip below this share is round-off.
-STOPPED = 1e-14
-# Of an acceleration: its round-off.
-HELD = 1e-12
+NEWTON = "newton"
 # Energy that an impact makes by round-off, as a share of that of its velocities.
 ROUNDED = 1e-13
-# Directions among which that of the last slip is looked for.
-DIRECTIONS = 72
-# Of a motion in a plane that direction is a whole multiple of pi: none of the samples is.
-ASIDE = 0.01
-TOLERANCE = 1e-13
-ASTRAY = 100.0
-NORMAL = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -102,7 +87,7 @@ def collide(
     answer = None
     for name in (law, ENERGETIC):
         newton = name == NEWTON
-        answer = _newton(D, u, mu, e) if newton else _followed(D, u, mu, e, name, jams=jams)
+        answer = _newton(D, u, mu, e) if newton else followed(D, u, mu, e, name, jams=jams)
         if answer is None:
             continue
         impulse, after = answer
@@ -125,11 +110,9 @@ def _newton(D: Floats, u: Floats, mu: float, e: float) -> tuple[Floats, Floats] 
     impulse: Floats = np.asarray(np.linalg.solve(D, target - u))
     if impulse[NORMAL] >= 0 and hypot(*impulse[:2]) <= mu * impulse[NORMAL]:
         return impulse, target
-    if isinf(mu):
-        return None
 
     def sliding(angle: float) -> Floats:
-        way = np.array([-mu * cos(angle), -mu * sin(angle), 1.0])
+        way = push(mu, cos(angle), sin(angle))
         mobility = float((D @ way)[NORMAL])
         return np.asarray(way * (-(1 + e) * u[NORMAL] / mobility)) if mobility > 0 else way * inf
 
@@ -144,231 +127,7 @@ def _newton(D: Floats, u: Floats, mu: float, e: float) -> tuple[Floats, Floats] 
     start = atan2(u[1], u[0])
     # of several answers the one in which the slip turns least
     angles = sorted(
-        _aligned(lambda angle: u + D @ sliding(angle)),
+        aligned(lambda angle: u + D @ sliding(angle)),
         key=lambda angle: abs((angle - start + pi) % (2 * pi) - pi),
     )
     return outcome(angles[0]) if angles else None
-
-
-def _aligned(velocity: Callable[[float], Floats]) -> list[float]:
-    """Return the angles of a slip whose friction leaves it a velocity along that slip."""
-
-    def aside(angle: float) -> float:
-        v = velocity(angle)
-        return float(v[1] * cos(angle) - v[0] * sin(angle))
-
-    angles = (np.linspace(-pi, pi, DIRECTIONS + 1) + ASIDE).tolist()
-    with np.errstate(invalid="ignore"):
-        values = [aside(angle) for angle in angles]
-    found = []
-    for pair, ends in zip(pairwise(angles), pairwise(values), strict=True):
-        if not isfinite(ends[0] * ends[1]) or ends[0] * ends[1] >= 0:
-            continue
-        root = float(scipy.optimize.brentq(aside, *pair, xtol=1e-15, rtol=1e-15))
-        v = velocity(root)
-        if v[0] * cos(root) + v[1] * sin(root) > 0:
-            found.append(root)
-    return found
-
-
-@dataclass(slots=True)
-class _Progress:
-    """An impact on its way: impulse, velocity, and the work of the normal impulse."""
-
-    impulse: Floats
-    velocity: Floats
-    work: float = 0.0
-
-
-def _followed(
-    D: Floats, u: Floats, mu: float, e: float, law: str, *, jams: bool = False
-) -> tuple[Floats, Floats]:
-    """Return impulse and velocity after it of Poisson's or the energetic law: follow the slip."""
-    now = _Progress(impulse=np.zeros(3), velocity=u.astype(float).copy())
-    if isinf(mu):
-        # the slip is stopped before the normal impulse is any
-        stop = np.zeros(3)
-        stop[:2] = -np.linalg.solve(D[:2, :2], now.velocity[:2])
-        now = _Progress(impulse=stop, velocity=now.velocity + D @ stop)
-        now.velocity[:2] = 0.0
-        if now.velocity[NORMAL] >= 0:
-            return now.impulse, now.velocity
-    # of a rim that jams, whose normal velocity is zero, the impulse compresses before it lets go
-    _phase(D, mu, now, compress=True, most=inf, work=inf, jams=jams)
-    at_most, stored = float(now.impulse[NORMAL]), -now.work
-    if e > 0.0:
-        most = (1 + e) * at_most if law == POISSON else inf
-        work = e * e * stored if law == ENERGETIC else inf
-        now.work = 0.0
-        if work > 0.0:
-            _phase(D, mu, now, compress=False, most=most, work=work)
-    return now.impulse, now.velocity
-
-
-def _phase(
-    D: Floats,
-    mu: float,
-    now: _Progress,
-    *,
-    compress: bool,
-    most: float,
-    work: float,
-    jams: bool = False,
-) -> None:
-    """Follow an impact to the end of its compression, or of its restitution.
-
-    Compression ends where the normal velocity is zero and would rise; restitution where the normal
-    impulse, or its work, is what is asked for.
-    """
-    size = max(float(np.abs(now.velocity).max()), np.finfo(float).tiny)
-    for _ in range(16):
-        slip, way = _direction(D, mu, now, size)
-        answer = D @ way
-        if slip == 0.0 and hypot(answer[0], answer[1]) <= HELD * float(np.abs(answer).max()):
-            # what is held does not move by the round-off of what holds it
-            answer[:2] = 0.0
-        straight = (
-            slip == 0.0
-            or mu == 0.0
-            or abs(answer[0] * now.velocity[1] - answer[1] * now.velocity[0])
-            <= STOPPED * slip * float(np.abs(answer).max())
-        )
-        if not straight:
-            if _turn(D, mu, now, compress=compress, most=most, work=work):
-                return
-            continue
-        # how much more until the slip stops, and until the phase is over
-        closing = -(now.velocity[0] * answer[0] + now.velocity[1] * answer[1])
-        stops = slip * slip / closing if closing > 0 else inf
-        ends = _until(now, float(answer[NORMAL]), compress=compress, most=most, work=work)
-        if jams and slip > 0.0:
-            ends = inf
-        if isinf(ends) and isinf(stops):
-            return
-        p = min(ends, stops)
-        before = float(now.velocity[NORMAL])
-        now.impulse = now.impulse + way * p
-        now.velocity = now.velocity + answer * p
-        now.work += p * (before + float(now.velocity[NORMAL])) / 2
-        if stops <= ends:
-            now.velocity[:2] = 0.0
-        if ends <= stops:
-            if compress:
-                now.velocity[NORMAL] = 0.0
-            return
-
-
-def _direction(D: Floats, mu: float, now: _Progress, size: float) -> tuple[float, Floats]:
-    """Return the slip, zero where it has stopped, and the impulse per unit of normal impulse."""
-    slip = hypot(now.velocity[0], now.velocity[1])
-    if slip > STOPPED * size and isfinite(mu):
-        ahead, aside = (now.velocity[:2] / slip).tolist()
-        return slip, np.array([-mu * ahead, -mu * aside, 1.0])
-    now.velocity[:2] = 0.0
-    return 0.0, _from_rest(D, mu)
-
-
-def _until(now: _Progress, slope: float, *, compress: bool, most: float, work: float) -> float:
-    """Return how much normal impulse is left of a phase while the velocity changes evenly."""
-    fast = float(now.velocity[NORMAL])
-    if compress:
-        if fast >= 0.0 and slope > 0:
-            return 0.0
-        return -fast / slope if slope > 0 else inf
-    if not isinf(most):
-        return max(most - float(now.impulse[NORMAL]), 0.0)
-    # p (fast + slope p/2) = work - done
-    left = max(work - now.work, 0.0)
-    if slope == 0:
-        return left / fast if fast > 0 else inf
-    root = fast * fast + 2 * slope * left
-    return 2 * left / (fast + sqrt(root)) if root >= 0 and fast + sqrt(root) > 0 else inf
-
-
-def _from_rest(D: Floats, mu: float) -> Floats:
-    """Return the impulse, per unit of normal impulse, on a rim that does not slide."""
-    hold = np.append(-np.linalg.solve(D[:2, :2], D[:2, NORMAL]), 1.0)
-    if hypot(*hold[:2]) <= mu:
-        return hold
-
-    def sliding(angle: float) -> Floats:
-        return np.array([-mu * cos(angle), -mu * sin(angle), 1.0])
-
-    # the slip that begins keeps its direction, along what friction leaves of its acceleration
-    angles = _aligned(lambda angle: np.asarray(D @ sliding(angle)))
-    if not angles:
-        return hold
-
-    def ahead(angle: float) -> float:
-        answer = D @ sliding(angle)
-        return float(answer[0] * cos(angle) + answer[1] * sin(angle))
-
-    return sliding(max(angles, key=ahead))
-
-
-def _turn(
-    D: Floats, mu: float, now: _Progress, *, compress: bool, most: float, work: float
-) -> bool:
-    """Follow a slip that turns; return whether the phase is over, and else the slip has stopped.
-
-    In the logarithm of the slip and its direction, with dp = |u_t| ds, the equations are smooth.
-    """
-    start = hypot(now.velocity[0], now.velocity[1])
-    limit = STOPPED * max(float(np.abs(now.velocity).max()), start) / 2
-
-    def rates(_: float, y: Floats) -> list[float]:
-        # a trial step may go far astray before it is refused
-        slip, c, s = np.exp(min(float(y[0]), ASTRAY)), cos(y[1]), sin(y[1])
-        a = D @ np.array([-mu * c, -mu * s, 1.0])
-        return [
-            a[0] * c + a[1] * s,
-            a[1] * c - a[0] * s,
-            slip,
-            slip * a[2],
-            slip * y[3],
-            -slip * mu * c,
-            -slip * mu * s,
-        ]
-
-    def over(_: float, y: Floats) -> float:
-        if compress:
-            return float(y[3])
-        if not isinf(most):
-            return float(y[2] - most)
-        return float(y[4] - work)
-
-    def stops(_: float, y: Floats) -> float:
-        return float(y[0] - np.log(limit))
-
-    over.terminal, over.direction = True, 1.0  # type: ignore[attr-defined] # scipy's interface
-    stops.terminal = True  # type: ignore[attr-defined]
-    begun = [
-        np.log(start),
-        atan2(now.velocity[1], now.velocity[0]),
-        float(now.impulse[NORMAL]),
-        float(now.velocity[NORMAL]),
-        now.work,
-        float(now.impulse[0]),
-        float(now.impulse[1]),
-    ]
-    size = max(float(np.abs(now.velocity).max()), start)
-    found = scipy.integrate.solve_ivp(
-        rates,
-        (0.0, 1e6 / float(np.abs(D).max())),
-        begun,
-        method="DOP853",
-        rtol=TOLERANCE,
-        atol=TOLERANCE * np.array([1.0, 1.0, size, size, size * size, size, size]) / 10,
-        events=(over, stops),
-    )
-    y = found.y[:, -1]
-    slip = float(np.exp(y[0]))
-    now.impulse = np.array([y[5], y[6], y[2]])
-    now.velocity = np.array([slip * cos(y[1]), slip * sin(y[1]), y[3]])
-    now.work = float(y[4])
-    if found.t_events[0].size:
-        if compress:
-            now.velocity[NORMAL] = 0.0
-        return True
-    now.velocity[:2] = 0.0
-    return False

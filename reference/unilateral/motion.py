@@ -2,23 +2,20 @@
 
 On the rim it follows the equations of `reference.nonsmooth`; where the normal force falls to zero
 it flies (`reference.unilateral.flight`), and where a rim meets the plane an impact
-(`reference.unilateral.impact`) decides how it goes on. An infinite sequence of impacts in a finite
-time (Zeno's) is followed one by one until what is left of it is shorter than the square root of
-round-off: then one impact without restitution and the motion on the rim after it differ from the
-sequence by the square of that time, which is round-off.
+(`reference.unilateral.impact`) decides how it goes on. Of an infinite sequence of impacts
+(`reference.unilateral.zeno`) the rest is one impact without restitution and the motion on the rim
+after it, which differ from the sequence by the square of its time: round-off.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
 
 import numpy as np
-import scipy
 
 from reference.equations.compiled_equations import CompiledEquations
-from reference.equations.contact_laws import Equations, Impact, Kind, Mode, Phase
+from reference.equations.contact_laws import Equations, Impact, Kind, Phase
 from reference.equations.coulomb import CoulombEquations
-from reference.equations.frames import to_body, to_level
+from reference.equations.frames import to_body
 from reference.equations.newton_euler import GeneralEquations
 from reference.equations.state_vector import (
     DISSIPATED,
@@ -41,34 +38,64 @@ from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 from reference.smooth.extrema import SHARE_OF_BOUNCE, ExtremumRecorder, Run
-from reference.unilateral.flight import Flight
+from reference.unilateral.flight import Flight, fall_of
 from reference.unilateral.free_body import (
     Body,
+    at_lowest,
     launch_of,
     moves_in_a_plane,
     on_rim,
-    other_side,
-    rise_of_other_side,
+    rises_of_face,
     rising,
 )
 from reference.unilateral.impact import Collision, collide
-from reference.unilateral.next_contact import NODES, margin, next_contact
+from reference.unilateral.impact_process import push
+from reference.unilateral.infinite_friction import (
+    HeldEquations,
+    HeldIntegrator,
+    How,
+    SlidingEquations,
+    SlidingIntegrator,
+    without_normal_force,
+)
+from reference.unilateral.next_contact import NODES, next_contact
 from reference.unilateral.path import FlightPath, UnilateralPath
+from reference.unilateral.zeno import (
+    ENDLESS,
+    ENDLESS_ROCKING,
+    STILL,
+    acceleration,
+    end_of_bounces,
+    left_of_rocking,
+    lies_flat,
+)
 
-# What is left of a sequence of impacts, in units of the fastest rate: its square is round-off.
-ENDLESS = 1e-8
-# The same of a can that rocks on its face without slipping, whose rocking times are a geometric
-# sequence but for their third powers.
-ENDLESS_ROCKING = 5e-6
-# Square of the velocities, and height over R, below which a can lies on its face: its flights are
-# shorter than 1e-6, and their heights near round-off.
-RATTLES = 1e-13
+# In g: more than the round-off of an acceleration.
+FALLS = 1e-6
+# Of a mobility along the normal: below it a rim jams, also by what rounds it.
+JAMMED = 1e-4
 # What lies on its face and slides or turns no faster is at rest, as exact as its rattling is.
 SLIDES = 1e-6
-# Of the velocities: a normal velocity below this share is round-off.
-STILL = 1e-15
-Onward: TypeAlias = tuple[Floats, float]
-"""A state of the rim, shape (13,), and how fast it rises from the plane; zero of one that stays."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Onward:
+    """How a can goes on.
+
+    Attributes
+    ----------
+    y : ndarray, shape (13,)
+        State of the rim.
+    rise : float
+        How fast the rim rises from the plane; zero of one that stays.
+    how : How or None
+        How a rim goes on that can neither stick nor leave the plane.
+    """
+
+    y: Floats
+    rise: float = 0.0
+    how: How | None = None
+
 
 JAMS = frozenset({Outcome.JAMMED, Outcome.INCONSISTENT})
 
@@ -98,6 +125,7 @@ class UnilateralMotion:
     _watch: ExtremumRecorder = field(init=False)
     _body: Body = field(init=False)
     _general: GeneralEquations = field(init=False)
+    _sliding: SlidingEquations = field(init=False)
     _equations: Equations = field(init=False)
     _law: Restitution = field(init=False)
     _planar: bool = field(init=False)
@@ -109,6 +137,7 @@ class UnilateralMotion:
         self._law = e.restitution or Restitution(coefficient=0.0)
         self._body = Body.of(p, e)
         self._general = GeneralEquations(parameters=p, effects=e)
+        self._sliding = SlidingEquations(parameters=p, effects=without_normal_force(e))
         plain: Equations = self._general
         if set(e.declared()) <= {"slip", "restitution"}:
             mu = np.inf if e.mu is None else e.mu
@@ -122,16 +151,17 @@ class UnilateralMotion:
         """Follow the motion, and sum up."""
         y = released(self.problem)
         if self.problem.height > 0:
-            self._watch = ExtremumRecorder(self.problem, fall=self._fall(y))
+            fall = fall_of(self._body, y, self.problem.psi_dot)
+            self._watch = ExtremumRecorder(self.problem, fall=fall)
             arrived = self._fly(y, 0.0, gap=self.problem.height)
         else:
             arrived = self._roll(y, new=True)
         while not self._watch.ended() and arrived is not None:
-            y, rise = arrived
+            y, rise = arrived.y, arrived.rise
             if self._evaluations > MOST_WORK:
                 self._watch.end(float(y[TIME]), Outcome.OUTWORKED)
                 break
-            arrived = self._fly(y, rise) if rise > 0.0 else self._roll(y)
+            arrived = self._fly(y, rise) if rise > 0.0 else self._roll(y, how=arrived.how)
         path = UnilateralPath(self._parts, self._starts)
         track = self._watch.track()
         there = path.at(track.times)
@@ -153,15 +183,6 @@ class UnilateralMotion:
             impacts=tuple(self.impacts),
         )
 
-    def _fall(self, y: Floats) -> float:
-        """Return phi'' of the release into the air."""
-        launch = launch_of(y, self._body)
-        there = Flight(self._body, launch).at(np.zeros(1))
-        level = to_level(y[TURN, None], Angles.of(y[LEAN, None]))[:, 0]
-        cos, sin = np.cos(launch.psi), np.sin(launch.psi)
-        slope = there.turning_rate[0] @ np.array([-sin, cos, 0.0])
-        return float(self.problem.psi_dot * level[0] - slope)
-
     def _add(self, part: SegmentsPath | FlightPath, start: float, phases: Sequence[Phase]) -> None:
         """Append a part of the path."""
         self._parts.append(part)
@@ -172,40 +193,63 @@ class UnilateralMotion:
             else:
                 self._phases.append(phase)
 
-    def _roll(self, y: Floats, *, new: bool = False) -> Onward | None:
-        """Follow the rim on the plane; return how it goes on after what ends that, if it does."""
-        integrator = self._integrator(y, None if new else self._watch)
+    def _roll(self, y: Floats, *, new: bool = False, how: How | None = None) -> Onward | None:
+        """Follow the rim on the plane; return how it goes on after what ends that, if it does.
+
+        Parameters
+        ----------
+        y : ndarray, shape (13,)
+        new : bool
+            Whether this is the release.
+        how : How, optional
+            How a rim that never slips goes on that can neither stick nor leave the plane.
+        """
+        if np.isinf(self._equations.mu) and y[SLIP].any():
+            how = How.SLIDES
+        integrator = self._integrator(y, None if new else self._watch, how)
         path = integrator.follow()
         self._watch = integrator.watch
         state, evaluations = integrator.reached
-        self._evaluations += evaluations
+        self._evaluations += evaluations + 1
         self._steps += len(path.pieces)
         self._add(path, float(y[TIME]), path.phases())
         y, outcome = state, self._watch.outcome
         if outcome is Outcome.LIFTED:
-            return self._lift(y)
+            self._watch.go_on()
+            # a slide under infinite friction that has stopped is held, if that takes no pull
+            stops = how is How.SLIDES and not y[SLIP].any()
+            return Onward(y) if stops else self._lift(y, how)
         if outcome is Outcome.FELL_FLAT:
             self._watch.go_on()
             return self._land_flat(y)
-        if outcome in JAMS and y[SLIP].any():
+        if outcome in JAMS and y[SLIP].any() and self._jams(y):
             self._watch.go_on()
             return self._hit(y, 0.0, jams=True)
         return None
 
-    def _integrator(self, start: Floats, watch: ExtremumRecorder | None) -> HybridIntegrator:
+    def _integrator(
+        self, start: Floats, watch: ExtremumRecorder | None, how: How | None
+    ) -> HybridIntegrator:
         """Return what follows the rim on the plane from a state."""
         problem, own = self.problem, self._equations
+        if how is How.SLIDES:
+            return SlidingIntegrator(problem, self._sliding, locus=True, start=start, watch=watch)
+        if how is How.HELD:
+            held = HeldEquations(parameters=problem.parameters, effects=problem.effects)
+            return HeldIntegrator(problem, held, locus=True, start=start, watch=watch)
         if isinstance(own, CompiledEquations):
             from reference.nonsmooth.compiled_integrator import CompiledIntegrator
 
             return CompiledIntegrator(problem, own, locus=True, start=start, watch=watch)
         return HybridIntegrator(problem, own, locus=True, start=start, watch=watch)
 
-    def _lift(self, y: Floats) -> Onward | None:
-        """Leave the plane, if the rim is free to."""
-        self._watch.go_on()
-        if self._acceleration(y, 0.0) < -STILL * 1e3 and np.isinf(self._equations.mu):
-            # a rim that cannot slip is held by friction where nothing presses it to the plane
+    def _lift(self, y: Floats, how: How | None) -> Onward | None:
+        """Leave the plane, or slide on it where the free rim would fall into it."""
+        held = np.isinf(self._equations.mu) and not y[SLIP].any()
+        if held and acceleration(self._body, y, 0.0) < -STILL * 1e3:
+            return Onward(y, how=How.HELD if how is None else How.SLIDES)
+        if self._general.fluid and acceleration(self._body, y, 0.0) < -FALLS:
+            # a moment that only a rim on the plane has keeps it from falling into the plane
             self._watch.end(float(y[TIME]), Outcome.INCONSISTENT)
             return None
         return self._fly(y, 0.0, lifted=True)
@@ -244,33 +288,11 @@ class UnilateralMotion:
 
     def _extrema(self, path: FlightPath) -> float | None:
         """Report the extrema of phi in a flight; return when the motion ends at one."""
-        times, states = path.nodes()
-        slopes = states.phi_dot
-        for i in np.flatnonzero(np.sign(slopes[:-1]) * np.sign(slopes[1:]) < 0).tolist():
-            after = float(
-                scipy.optimize.brentq(
-                    lambda s: float(path.at(np.array([path.start + s])).phi_dot[0]),
-                    times[i] - path.start,
-                    times[i + 1] - path.start,
-                    xtol=1e-15,
-                    rtol=1e-15,
-                )
-            )
-            maximum = bool(slopes[i] > 0)
+        for after, maximum in path.extrema():
             self._watch.extremum(path.start + after, path.snapshot(after), maximum=maximum)
             if self._watch.ended():
                 return after
         return None
-
-    def _acceleration(self, y: Floats, rise: float) -> float:
-        """Return the vertical acceleration of the gap of a rim without a force of the plane."""
-        flight = Flight(self._body, launch_of(y, self._body, rise=rise))
-        bend = float(margin(flight, flight.at(np.zeros(1)))[2][0])
-        r, at = self._body.effects.rim, Angles.of(y[LEAN])
-        if r == 1.0:
-            return bend
-        S, falling = (1 - r) * float(at.S), -(1 - r) * float(at.C * y[W2])
-        return (bend - 2 * rise * (rise + 2 * falling)) / (2 * S)
 
     def _struck(
         self, y: Floats, rise: float, e: float, *, jams: bool = False
@@ -290,12 +312,20 @@ class UnilateralMotion:
             after[[W1, W3, U2]] = 0.0
         return after, struck
 
+    def _jams(self, y: Floats) -> bool:
+        """Return whether it is friction that drives a sliding rim into the plane.
+
+        Moments in proportion to the normal force do so, too, but give no impulse.
+        """
+        D, ahead = self._general.mobility(y)[5, 3:], y[SLIP] / np.hypot(*y[SLIP])
+        return bool(D @ push(self._equations.mu, *ahead.tolist()) < JAMMED)
+
     def _hit(self, y: Floats, rise: float, *, jams: bool = False) -> Onward | None:
         """Take an impact of the lower rim, and return how the can goes on after it."""
         if rise == 0.0 and not jams:
-            return y, 0.0
+            return Onward(y)
         after, struck = self._struck(y, rise, self._law.coefficient, jams=jams)
-        ends = None if jams else self._ends(after, rise, float(struck.velocity[2]))
+        ends = None if jams else end_of_bounces(self._body, after, rise, float(struck.velocity[2]))
         if ends is not None:
             after, struck = self._struck(y, rise, 0.0)
         self._record(y, rise, struck, ends)
@@ -303,10 +333,10 @@ class UnilateralMotion:
         up = float(struck.velocity[2])
         if self._watch.ended():
             return None
-        if self._lies(after, up):
+        if lies_flat(after, up):
             self._rest(after, 2 * abs(rise))
             return None
-        return after, up if up > STILL * abs(rise) else 0.0
+        return Onward(after, up if up > STILL * abs(rise) else 0.0)
 
     def _record(self, y: Floats, rise: float, struck: Collision, ends: float | None = None) -> None:
         """Append an impact to those of the motion, in which extrema now have to stand out."""
@@ -330,68 +360,37 @@ class UnilateralMotion:
         if one * other < 0:
             self._watch.extremum(float(after[TIME]), snapshot_of(after), maximum=one < 0)
 
-    def _ends(self, after: Floats, rise: float, up: float) -> float | None:
-        """Return when the sequence of impacts ends, if that is at once but for round-off."""
-        ratio = up / -rise
-        if up <= 0.0 or ratio >= 1.0:
-            return None
-        falls = -self._acceleration(after, up)
-        if falls <= 0.0:
-            return None
-        left = 2 * up / falls / (1 - ratio)
-        precession = abs(float(after[W1] / Angles.of(after[LEAN]).S))
-        rate = 1 + float(np.abs(after[TURN]).max()) + precession
-        return float(after[TIME]) + left if left * rate < ENDLESS else None
-
     def _land_flat(self, y: Floats) -> Onward | None:
         """Take the impacts of a can that meets the plane with its whole face.
 
-        The point opposite to the contact hits first. Where the can is so flat that this drives the
-        contact into the plane, that is hit in turn, and so on; the limit of these impacts, all at
-        one instant, is the state from which the can goes on.
+        The point of the rim that falls fastest hits first. Where this drives another point into the
+        plane, that is hit in turn, and so on; the limit of these impacts, all at one instant, is
+        the state from which the can goes on.
         """
-        rise, there = 0.0, rise_of_other_side(y, 0.0, self._body)
-        falling, before = abs(there), y
+        rise, before = 0.0, y
+        there, fastest = rises_of_face(y, rise, self._body)
+        falling = abs(there)
         while there < -STILL * falling:
-            y = other_side(y, self._body)
+            y = at_lowest(y, self._body)
             after, struck = self._struck(y, there, self._law.coefficient)
             self._record(y, there, struck)
             y, rise = after, float(struck.velocity[2])
-            there = rise_of_other_side(y, rise, self._body)
+            there, fastest = rises_of_face(y, rise, self._body)
         self._watch.extremum(float(y[TIME]), snapshot_of(before), maximum=False)
         if self._watch.ended():
             return None
-        left = self._left_flat(y, rise, max(rise, there), falling)
-        if rise > STILL * falling and self._lies(y, max(rise, there)):
+        y = at_lowest(y, self._body)
+        slides = np.isinf(self._equations.mu) and y[SLIP].any()
+        rim = self._sliding if slides else self._general
+        left = left_of_rocking(rim, y, there, fastest, falling)
+        if there > STILL * falling and lies_flat(y, fastest):
             self._rest(y, left if left < np.inf else 0.0)
             return None
-        rolls = rise <= STILL * falling and not y[SLIP].any() and not before[SLIP].any()
+        rolls = there <= STILL * falling and not y[SLIP].any() and not before[SLIP].any()
         if left < (ENDLESS_ROCKING if rolls else ENDLESS):
             self._rest(y, left)
             return None
-        if rise > STILL * falling and there > STILL * falling:
-            return y, rise
-        return (other_side(y, self._body) if rise > there else y), 0.0
-
-    def _lies(self, y: Floats, up: float) -> bool:
-        """Return whether a can lies on its face but for what it rattles there by round-off."""
-        at = Angles.of(y[LEAN])
-        level = to_level(y[TURN, None], Angles.of(y[LEAN, None]))[:2, 0]
-        return bool(float(at.S) + up * up + float(level @ level) < RATTLES)
-
-    def _left_flat(self, y: Floats, rise: float, fastest: float, falling: float) -> float:
-        """Return how long a can goes on that rocks from side to side of its face, ever less."""
-        if fastest <= STILL * falling:
-            return 0.0
-        ratio = fastest / falling
-        if ratio >= 1.0:
-            return np.inf
-        falls = 1.0
-        if rise <= STILL * falling:
-            mode = Mode(slips=bool(y[SLIP].any()))
-            rates = self._general.rates(y[:, None], mode)[:, 0]
-            falls = 2 * (1 - self._body.effects.rim) * float(rates[W2] / rates[TIME])
-        return 2 * fastest / falls / (1 - ratio) if falls > 0 else np.inf
+        return Onward(y, there if there > STILL * falling else 0.0)
 
     def _rest(self, y: Floats, left: float) -> None:
         """End a motion that lies flat: at rest, unless it slides or turns on its face."""

@@ -32,6 +32,8 @@ BLURRED = 1e-4
 FACE = 1e-20
 # A flight shorter than this, in units of the fastest rate, is over at its beginning.
 BRIEFEST = 1e-12
+# A piece shorter than this, in units of the fastest rate, falls by less than PENETRATES.
+SHALLOW = 1e-6
 # In R: a gap below minus this is no round-off.
 PENETRATES = 1e-14
 # Of a piece: a root that is no farther beside it, or beside the real numbers, is one.
@@ -93,6 +95,10 @@ def next_contact(flight: Flight, most: float, *, lifted: bool = False) -> Contac
         found, then = _look(flight, states, bends, begun, length=length, blurred=blurred)
         if found is not None:
             return Contact(after=start + found.after, lower=found.lower)
+        sinks = then.value < 0.0 and then.slope < 0.0
+        if sinks and length * rate < SHALLOW:
+            # so near to the launch that what it sinks by is still round-off
+            return Contact(after=start + length, lower=True)
         if _below(flight, states):
             # two roots too near to each other, or to the beginning, for a piece of this length
             length /= 4
@@ -212,12 +218,13 @@ def _first_root(series: Floats, length: float, least: float) -> float | None:
 
 
 def _polished(x: float, series: Floats, slopes: Floats) -> float:
-    """Return a root on [-1, 1], by Newton's method."""
+    """Return a root on [-1, 1], by Newton's method, which leads from a double root anywhere."""
+    low, high = max(x - BESIDE, -1.0), min(x + BESIDE, 1.0)
     for _ in range(POLISHED):
         slope = float(chebyshev.chebval(x, slopes))
         if slope == 0.0:
             break
-        x = min(max(x - float(chebyshev.chebval(x, series)) / slope, -1.0), 1.0)
+        x = min(max(x - float(chebyshev.chebval(x, series)) / slope, low), high)
     return x
 
 

@@ -1,10 +1,11 @@
 """The path of a can through phases of contact and of flight."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.polynomial import chebyshev
 
 from reference.nonsmooth.segments import SegmentsPath
@@ -88,6 +89,20 @@ class FlightPath:
                 total[there] += chebyshev.chebval(places, series)
                 total[number > piece] += series.sum()
         return dissipated, supplied
+
+    def extrema(self) -> Iterator[tuple[float, bool]]:
+        """Return times after the launch at which phi' changes sign, and whether phi is largest."""
+        times, states = self.nodes()
+        slopes = states.phi_dot
+        for i in np.flatnonzero(np.sign(slopes[:-1]) * np.sign(slopes[1:]) < 0).tolist():
+            after = scipy.optimize.brentq(
+                lambda s: float(self.at(np.array([self.start + s])).phi_dot[0]),
+                times[i] - self.start,
+                times[i + 1] - self.start,
+                xtol=1e-15,
+                rtol=1e-15,
+            )
+            yield float(after), bool(slopes[i] > 0)
 
     def landing(self) -> Launch:
         """Return the state at the end of the flight."""

@@ -171,7 +171,8 @@ def scene_numbers(scene: Scene) -> dict[str, float]:
     for name in scene.effects.declared():
         effect = getattr(scene.effects, name)
         for field in fields(effect):
-            if (value := getattr(effect, field.name)) is not None:
+            value = getattr(effect, field.name)
+            if isinstance(value, float):
                 out[f"effects.{name}.{field.name}"] = value
     return out
 
