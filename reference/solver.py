@@ -72,12 +72,9 @@ def smallest(problem: Problem) -> Choice:
         return Choice(model="coulomb", equations=6, why=why)
     if declared:
         named = ", ".join(name.replace("_", " ") for name in declared)
-        rest = "it takes the general can." if len(declared) == 1 else "they take the general can."
-        return Choice(
-            model="general",
-            equations=equations_of("general", problem),
-            why=f"Declared: {named}; {rest}",
-        )
+        rest = "it takes" if len(declared) == 1 else "they take"
+        why = f"Declared: {named}; {rest} the general can."
+        return Choice(model="general", equations=equations_of("general", problem), why=why)
     if problem.psi_dot == problem.theta_dot == 0:
         why = "No effect is declared and nothing turns at the release: the can moves in a plane."
         return Choice(model="pendulum", equations=2, why=why)
