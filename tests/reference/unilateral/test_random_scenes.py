@@ -64,7 +64,7 @@ def drawn(seed: int) -> Problem:
             patch=patch,
             drilling=one(0, 0.05) * bool(not patch and often(0.25)),
             rolling_resistance=rolling,
-            contour=one(0, 0.05) * bool(not rolling and often(0.25)),
+            contour=one(0, 0.05) * bool(mu != 0 and not rolling and often(0.25)),
             contour_damping=one(0, 0.05) * often(0.2),
             film=one(0, 0.02) * often(0.15),
             boundary_layer=one(0, 0.02) * often(0.1),
