@@ -25,13 +25,13 @@ from harness.core.trajectory import Floats, Trajectory
 from harness.engines.reference.assumption_checks import may_be_chaotic
 from harness.engines.reference.to_reference_problem import problem
 from harness.engines.reference.truth import Truth
-from harness.engines.registry import engine
+from harness.engines.registry import engine, missing_effects
 from harness.engines.stepping.horizon import natural_time
 from harness.metrics.bounces import bounces
 from harness.metrics.motion import motion
 from models.catalogue import load, names
 from models.scene import Horizon, Scene
-from reference import Bounce, Solution, divergence, examine, smallest, solve
+from reference import Bounce, Solution, carries, divergence, examine, smallest, solve
 from tests.benchmarks.clock import seconds
 
 TIMESTEP = 1e-4
@@ -99,13 +99,18 @@ class Lean:
 
 
 def lean_ratios(engines: Sequence[str]) -> Iterator[Lean]:
-    """Measure both on every scene of the catalogue: engines that can build both, the reference."""
+    """Measure both on the scenes of the catalogue: engines that can build both, the reference.
+
+    A scene that needs the largest model, or effects that an engine lacks, has nothing to compare.
+    """
     able = [engine for engine in engines if builds_both(engine)]
     for name in names():
         scene = load(name)
         for each in able:
-            yield in_engine(each, scene, PAIRS)
-        yield in_reference(scene, PAIRS)
+            if not missing_effects(each, scene):
+                yield in_engine(each, scene, PAIRS)
+        if carries("general", problem(scene)):
+            yield in_reference(scene, PAIRS)
 
 
 def builds_both(name: str) -> bool:
