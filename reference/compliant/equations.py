@@ -163,7 +163,7 @@ class CompliantEquations(GeneralEquations):
             wrench = self._law(y, mode, motion) * (at.S * self.pressing(y))
             both = both + np.einsum("nij,jn->in", mobility, wrench)
         # a contact point held on the rim has theta' = 0 in directions that precess with the can
-        precessing = w[0] * w[1] if not mode.flies and self._held_on_rim(mode) else None
+        precessing = w[0] * w[1] if self._held_on_rim(mode) else None
         if precessing is not None:
             both[ROLLING_1] += precessing
         if held:

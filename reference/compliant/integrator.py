@@ -226,7 +226,7 @@ class CompliantIntegrator(HybridIntegrator):
     def _lift(self) -> None:
         """Let the can fly; the elastic energy that is left in the contact is lost."""
         y = self._y.copy()
-        if self._ends_at_the_surface():
+        if self._at_the_surface(y):
             y[DEPTH] = 0.0
         y[DISSIPATED] += self._law.stored(y[DEPTH])
         self._y = y
@@ -235,20 +235,32 @@ class CompliantIntegrator(HybridIntegrator):
     def _touch(self) -> None:
         """Begin a contact, with a force that is not below zero by its round-off."""
         y, law = self._y.copy(), self._law.law
-        surface = law.damping * y[RISE] / law.stiffness if law.exponent == LINEAR else 0.0
-        y[DEPTH] = max(surface, 0.0) * (1 + BEGUN)
+        if law.exponent == LINEAR:
+            surface = law.damping * y[RISE] / law.stiffness
+            y[DEPTH] = max(surface, 0.0) * (1 + BEGUN)
+        elif self._at_the_surface(y):
+            y[DEPTH] = 0.0
+        else:
+            y[RISE] = law.stiffness / law.damping * (1 - BEGUN)
         y[DISSIPATED] -= self._law.stored(y[DEPTH])
-        slips = bool(np.isfinite(self._law.mu) and np.hypot(*y[SLIP]) > STOPPED)
+        slips = bool(np.isfinite(self._law.mu) and np.hypot.reduce(moving(self._law, y)) > STOPPED)
         if not slips:
             y = self._law.landed(y, FLIGHT)
         mode = self._rests(y, Mode(slips=slips))
         self._y = y
-        if self._law.pressing(y) > 0:
+        margin = float(self._law.touching(y[:, None])[0])
+        if margin < 0 or (margin == 0 and y[RISE] > 0):
+            # the impulse that stops the rim throws it up
+            self._lift()
+        elif self._law.pressing(y) > 0:
             self._go_on(begin(self._law, y, mode))
         else:
             mode = turning(self._law, y[:, None], mode)
             self._go_on(ModeTransition(mode=running(self._law, y[:, None], mode)))
 
-    def _ends_at_the_surface(self) -> bool:
-        """Return whether the law has no force at depth zero, at any rate."""
-        return self._law.law.exponent > LINEAR or self._law.law.damping == 0
+    def _at_the_surface(self, y: Floats) -> bool:
+        """Return whether it is the depth that makes the force zero, and not the rate."""
+        law = self._law.law
+        if law.exponent == LINEAR:
+            return law.damping == 0
+        return float(y[DEPTH]) / self._rest <= 1 - law.damping / law.stiffness * float(y[RISE])

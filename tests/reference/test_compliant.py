@@ -39,6 +39,13 @@ HEIGHT = 0.01
 SPEED = math.sqrt(2 * HEIGHT)
 ROCKING = Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=0.2, bounces=1)
 LOCUS = frozenset({"contact_locus"})
+SCENES = 1000
+ENDED = {Outcome.FINISHED, Outcome.OVERTURNED, Outcome.FELL_FLAT, Outcome.CAME_TO_REST}
+EXCLUDED = {
+    frozenset({"contour_friction", "rolling_resistance"}),
+    frozenset({"patch", "drilling"}),
+    *(frozenset({name, "sticks for ever"}) for name in ("slip", "static", "patch")),
+}
 
 
 def soft(problem: Problem, law: Compliance, height: float = 0.0) -> Solution:
@@ -260,19 +267,90 @@ def test_too_stiff_a_vibration_is_said_to_be_too_much_work(
     assert 0 < found.t_end < 3.0
 
 
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0])
+@pytest.mark.parametrize("mu", [None, 0.3])
+def test_a_rim_that_is_pulled_out_faster_than_the_surface_follows_stays_where_it_is(
+    exponent: float, mu: float | None
+) -> None:
+    """Contact ends and begins at a depth: neither the depth nor its energy jumps."""
+    law = Compliance(stiffness=100.0, damping=1000.0 if exponent > 1 else 30.0, exponent=exponent)
+    effects = Effects(mu=mu, gravity=Gravity(amplitude=(0.0, 0.0, 3.0), rate=6.0))
+    found = soft(replace(ROCKING, bounces=None, duration=2.5, effects=effects), law)
+    lifts = [phase.start for phase in found.phases if phase.kind is Kind.FLIGHT]
+    gap = found.at(np.array(lifts)).gap
+    assert gap is not None
+    assert gap.min() < -0.01
+    whole = energies(found)
+    assert np.ptp(whole) < 1e-12 * np.abs(whole).max()
+
+
+def test_friction_that_stops_the_rim_may_throw_it_up_again() -> None:
+    """A rim that cannot slip lands turning: the impulse along the plane lifts what it stops."""
+    rod = replace(PAPER_CAN, a=1.2, c=1.8, h=1.9)
+    falls = Problem(
+        parameters=rod, phi=0.72, phi_dot=0.8, psi_dot=0.16, theta_dot=0.6, duration=0.3
+    )
+    found = soft(falls, Compliance(stiffness=1e4, exponent=1.5), 1e-3)
+    assert found.outcome is Outcome.FINISHED
+    assert found.phases[0].kind is Kind.FLIGHT
+    whole = energies(found)
+    assert np.ptp(whole) < 1e-12 * np.abs(whole).max()
+
+
+def test_a_contact_point_that_friction_holds_is_free_in_the_air() -> None:
+    law, release = Compliance(stiffness=1e4), replace(ROCKING, bounces=None, duration=0.3)
+    flown = soft(replace(release, effects=Effects(contour=0.01)), law, 0.05).at(0.25)
+    alone = soft(release, law, 0.05).at(0.25)
+    assert flown.theta_dot[0] == alone.theta_dot[0]
+    assert flown.psi[0] == alone.psi[0]
+
+
+def fault_of(problem: Problem) -> str:
+    """Return what is wrong with the solution of a problem; nothing if nothing is."""
+    found = solve(problem, outputs=LOCUS)
+    if found.outcome not in ENDED:
+        return f"{found.outcome.name} at {found.t_end:.6g} after {found.evaluations}"
+    force = found.at(np.linspace(0, found.t_end, 300)).force
+    assert force is not None
+    if not np.isfinite(force).all():
+        return "not a number"
+    if (pull := float(force[:, 2].min())) < -1e-12:
+        return f"pulled with {-pull:.2g} m g"
+    whole = energies(found)
+    missing = float(np.ptp(whole)) / (1 + float(np.abs(whole).max()))
+    return f"lacks {missing:.2g} of its energy" if missing > 1e-12 else ""
+
+
+def test_random_scenes_have_a_motion_and_are_never_pulled() -> None:
+    faults = {number: fault_of(random_problem(number)) for number in range(0, SCENES, 25)}
+    assert not {number: fault for number, fault in faults.items() if fault}
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("part", range(10))
-def test_random_scenes_have_a_motion_and_are_never_pulled(part: int) -> None:
-    too_much = 0
-    for number in range(100):
-        problem = random_problem(np.random.default_rng(100 * part + number))
-        found = solve(problem, outputs=LOCUS)
-        ended = {Outcome.FINISHED, Outcome.OVERTURNED, Outcome.FELL_FLAT}
-        too_much += found.outcome is Outcome.OUTWORKED
-        assert found.outcome in ended or found.outcome is Outcome.OUTWORKED, (part, number)
-        force = found.at(np.linspace(0, found.t_end, 300)).force
-        assert force is not None
-        assert force[:, 2].min() >= -1e-9, (part, number)
-        whole = energies(found)
-        assert np.ptp(whole) <= 1e-12 * (1 + np.abs(whole).max()), (part, number)
-    assert too_much <= 2  # of a hundred, with a stiff contact that hardly damps
+def test_a_thousand_random_scenes_have_a_motion_and_are_never_pulled() -> None:
+    faults = {number: fault_of(random_problem(number)) for number in range(SCENES)}
+    assert not {number: fault for number, fault in faults.items() if fault}
+
+
+def test_every_effect_is_drawn_with_every_other_that_it_does_not_exclude() -> None:
+    drawn = [random_problem(number) for number in range(SCENES)]
+    sets = [set(problem.effects.declared()) | extras(problem) for problem in drawn]
+    names = sorted(set().union(*sets))
+    for index, one in enumerate(names):
+        for other in names[:index]:
+            together = sum({one, other} <= named for named in sets)
+            assert together > 10 or frozenset({one, other}) in EXCLUDED, (one, other)
+
+
+def extras(problem: Problem) -> set[str]:
+    """Return what a scene declares beside the names of its effects."""
+    effects, law = problem.effects, problem.effects.compliance
+    assert law is not None
+    there = {
+        "height": problem.height > 0,
+        "static": effects.mu_static != effects.mu,
+        "damped": law.damping > 0,
+        "curved": law.exponent > 1,
+        "sticks for ever": effects.mu is None,
+    }
+    return {name for name, declared in there.items() if declared}

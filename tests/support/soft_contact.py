@@ -12,8 +12,9 @@ from reference.equations.reaction_force import centre_position, centre_velocity,
 Floats = NDArray[np.float64]
 
 
-def random_problem(rng: np.random.Generator) -> Problem:
+def random_problem(number: int) -> Problem:
     """Return a can of any shape with any effects; its weight presses it in by 1e-6 to 1e-2."""
+    rng = np.random.default_rng(number)
 
     def perhaps(value: float, chance: float = 0.35) -> float:
         return float(value) if rng.random() < chance else 0.0
@@ -51,10 +52,22 @@ def random_problem(rng: np.random.Generator) -> Problem:
     mu = float(10 ** rng.uniform(-1.3, 0.3)) if rng.random() < 0.6 else None
     if mu is not None and rng.random() < 0.1:
         mu = 0.0
+    drilling = perhaps(10 ** rng.uniform(-4, -1.5)) * (mu != 0.0)
+    resistance = perhaps(10 ** rng.uniform(-4, -1.5)) * (mu != 0.0)
+    # what excludes another is drawn for those without that other
+    contour = perhaps(10 ** rng.uniform(-4, -1.5)) * (not resistance)
+    patch = perhaps(10 ** rng.uniform(-4, -0.5)) * (bool(mu) and not drilling)
+    static = None if mu is None else mu * (1 + perhaps(rng.uniform(0, 0.6)))
     effects = Effects(
         mu=mu,
-        drilling=perhaps(10 ** rng.uniform(-4, -1.5)) * (mu != 0.0),
-        rolling_resistance=perhaps(10 ** rng.uniform(-4, -1.5)) * (mu != 0.0),
+        mu_static=static,
+        patch=patch,
+        drilling=drilling,
+        rolling_resistance=resistance,
+        contour=contour,
+        contour_damping=perhaps(10 ** rng.uniform(-4, -1.5), 0.25),
+        film=perhaps(10 ** rng.uniform(-4, -1.5), 0.25),
+        boundary_layer=perhaps(10 ** rng.uniform(-4, -1.5), 0.25),
         linear_damping=perhaps(rng.uniform(0, 0.1)),
         angular_damping=perhaps(rng.uniform(0, 0.1)),
         rim=perhaps(rng.uniform(0, 0.3) * min(1, h)),
