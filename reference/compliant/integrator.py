@@ -19,8 +19,9 @@ from reference.equations.contact_laws import Mode
 from reference.equations.newton_euler import GeneralEquations
 from reference.equations.state_vector import (
     DISSIPATED,
-    SLIP,
+    LEAN,
     TIME,
+    Angles,
     Index,
     released,
     sizes,
@@ -28,7 +29,7 @@ from reference.equations.state_vector import (
 )
 from reference.equations.state_vector import ROWS as RIGID_ROWS
 from reference.nonsmooth.events import LOOKS, Event, EventKind, events
-from reference.nonsmooth.hybrid_integrator import LONGEST, SHORTEST, HybridIntegrator
+from reference.nonsmooth.hybrid_integrator import FIRST, LONGEST, SHORTEST, HybridIntegrator
 from reference.nonsmooth.level_spin import stands
 from reference.nonsmooth.patch_onset import moving
 from reference.nonsmooth.segments import Segment, SegmentsPath
@@ -210,7 +211,9 @@ class CompliantIntegrator(HybridIntegrator):
 
     def _switch(self, event: Event | None) -> None:
         """Change the law or end the motion, at an event."""
-        if event is not None and event.what is EventKind.LIFTS:
+        if event is not None and event.what is EventKind.LIFTS and self._neither_holds_nor_leaves():
+            self.watch.end(float(self._y[TIME]), Outcome.INDETERMINATE)
+        elif event is not None and event.what is EventKind.LIFTS:
             self._lift()
         elif event is not None and event.what is EventKind.TOUCHES:
             self._touch()
@@ -230,7 +233,22 @@ class CompliantIntegrator(HybridIntegrator):
             y[DEPTH] = 0.0
         y[DISSIPATED] += self._law.stored(y[DEPTH])
         self._y = y
+        self._length = FIRST
         self._go_on(ModeTransition(mode=FLIGHT))
+
+    def _neither_holds_nor_leaves(self) -> bool:
+        """Return whether the friction that holds a rim for ever is what takes the force from it.
+
+        Without declared slip friction does not vanish with the normal force. Where the damper alone
+        has made that zero, the end of friction may press the rim again at once: contact falls into
+        ever shorter flights and impulses backwards in time, of which any sequence is a motion.
+        """
+        law, y = self._law.law, self._y
+        if self._mode.slips or np.isfinite(self._law.mu) or self._at_the_surface(y):
+            return False
+        rates = self._law.rates(y[:, None], FLIGHT, along=False)[:, 0]
+        pressed = law.stiffness * rates[DEPTH] if law.exponent == LINEAR else 0.0
+        return bool(pressed > law.damping * rates[RISE])
 
     def _touch(self) -> None:
         """Begin a contact, with a force that is not below zero by its round-off."""
@@ -248,6 +266,8 @@ class CompliantIntegrator(HybridIntegrator):
             y = self._law.landed(y, FLIGHT)
         mode = self._rests(y, Mode(slips=slips))
         self._y = y
+        # the contact has its own time, which the steps of the flight say nothing of
+        self._length = min(FIRST, FIRST * self._pace / float(Angles.of(y[LEAN]).S))
         margin = float(self._law.touching(y[:, None])[0])
         if margin < 0 or (margin == 0 and y[RISE] > 0):
             # the impulse that stops the rim throws it up
