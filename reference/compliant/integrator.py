@@ -20,9 +20,12 @@ from reference.equations.newton_euler import GeneralEquations
 from reference.equations.state_vector import (
     DISSIPATED,
     LEAN,
+    QUIET,
     TIME,
     Angles,
     Index,
+    X,
+    Y,
     released,
     sizes,
     tail_of,
@@ -47,6 +50,8 @@ SHARE_OF_BOUNCE = 0.01
 BEGUN = 1e-14
 # Of a step: contact that is lost before it asks for a shorter one.
 HALF = 0.5
+# Turns of the depth after which too much work is said to be that of vibrations.
+VIBRATIONS = 10
 FLIGHT = Mode(slips=True, flies=True)
 
 
@@ -163,6 +168,14 @@ class CompliantIntegrator(HybridIntegrator):
         """Return the mode in which all is held that is at rest."""
         return replace(mode, rests=bool(self._law.resistance and stands(y[:, None])[0]))
 
+    def _stuck(self) -> Outcome:
+        outcome = super()._stuck()
+        if outcome is Outcome.OUTWORKED:
+            rises = np.sign([piece.start[RISE] for piece in self._pieces])
+            turns = np.count_nonzero(rises[1:] * rises[:-1] < 0)
+            return Outcome.VIBRATES if turns >= VIBRATIONS else outcome
+        return outcome
+
     def _recorder(self, problem: Problem, fall: float) -> ExtremumRecorder:
         return VibrationFilter(problem, fall)
 
@@ -181,7 +194,10 @@ class CompliantIntegrator(HybridIntegrator):
         size = np.abs(self._y[RIGID_ROWS:]) + np.abs(series[RIGID_ROWS:]).sum(axis=1)
         tail = np.abs(series[RIGID_ROWS:, -2:]).max(axis=1) / np.maximum(size, own)
         resisted = self._equations.resistance > 0
-        rigid = tail_of(self._y[:RIGID_ROWS], series[:RIGID_ROWS], resisted=resisted)
+        # the place of a rim above the plane begins at zero, and is none that need be known so well
+        start = self._y[:RIGID_ROWS].copy()
+        start[[X, Y]] = np.maximum(np.abs(start[[X, Y]]), QUIET)
+        rigid = tail_of(start, series[:RIGID_ROWS], resisted=resisted)
         return max(rigid, float(tail.max()))
 
     def _step(self) -> Segment | None:
