@@ -38,6 +38,16 @@ EPS = float(np.finfo(float).eps)
 HEIGHT = 0.01
 SPEED = math.sqrt(2 * HEIGHT)
 ROCKING = Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=0.2, bounces=1)
+TILTED = Gravity(constant=(0.03, 0.04, -math.sqrt(1 - 0.05**2)))
+TUMBLING = Problem(
+    parameters=PAPER_CAN,
+    phi=0.35,
+    psi=0.2,
+    psi_dot=0.4,
+    theta_dot=-0.3,
+    phi_dot=-0.1,
+    duration=0.9,
+)
 LOCUS = frozenset({"contact_locus"})
 SCENES = 1000
 ENDED = {
@@ -201,29 +211,52 @@ def test_the_rigid_can_is_the_limit_at_the_rate_of_the_depth_at_rest(exponent: f
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.5])
-@pytest.mark.parametrize("mu", [None, 0.0, 0.3])
-def test_a_body_of_six_degrees_of_freedom_moves_likewise(exponent: float, mu: float | None) -> None:
+@pytest.mark.parametrize(
+    "laws",
+    [
+        Effects(),
+        Effects(mu=0.0),
+        Effects(mu=0.3),
+        Effects(contour=0.01, contour_damping=2e-3, film=2e-4, boundary_layer=1e-3),
+        Effects(mu=0.3, contour_damping=2e-3, film=1e-3),
+        Effects(mu=0.3, patch=0.1, contour_damping=2e-3),
+    ],
+)
+def test_a_body_of_six_degrees_of_freedom_moves_likewise(exponent: float, laws: Effects) -> None:
     """The same law by another route: a quaternion, forces in the world, an explicit method."""
     law = Compliance(stiffness=300.0**exponent, damping=2.0, exponent=exponent)
-    gravity = Gravity(constant=(0.03, 0.04, -math.sqrt(1 - 0.05**2)))
-    problem = Problem(
-        parameters=PAPER_CAN,
-        phi=0.35,
-        psi=0.2,
-        psi_dot=0.4,
-        theta_dot=-0.3,
-        phi_dot=-0.1,
-        duration=0.9,
-        effects=Effects(mu=mu, gravity=gravity, compliance=law, angular_damping=0.05),
-        slip=(0.9, 0.6) if mu is not None else (0.0, 0.0),
-    )
+    effects = replace(laws, gravity=TILTED, compliance=law, angular_damping=0.05)
+    mu = laws.mu
+    slip = (0.9, 0.6) if mu is not None else (0.0, 0.0)
+    problem = replace(TUMBLING, effects=effects, slip=slip)
     found = solve(problem, outputs=LOCUS)
     expected = Kind.STICK if mu is None else Kind.SLIP
     assert [phase.kind for phase in found.phases] == [expected]
-    times = np.linspace(0, 0.9, 7)
+    moves_likewise(found, problem, 0.0, 0.9)
+
+
+def test_static_friction_holds_a_soft_contact_up_to_its_limit_and_then_kinetic_acts() -> None:
+    law = Compliance(stiffness=300.0, damping=2.0)
+    laws = Effects(mu=0.1, mu_static=0.14, contour_damping=1e-3)
+    problem = replace(TUMBLING, phi_dot=0.0, effects=replace(laws, compliance=law))
+    found = solve(problem, outputs=LOCUS)
+    stick, slip = found.phases[:2]
+    assert (stick.kind, slip.kind) == (Kind.STICK, Kind.SLIP)
+    held = replace(problem, effects=replace(problem.effects, mu=None, mu_static=None))
+    moves_likewise(found, held, 0.0, stick.end)
+    force = found.at(np.array([stick.end * (1 - 1e-12)])).force
+    assert force is not None
+    assert np.hypot(*force[0, :2]) / force[0, 2] == pytest.approx(0.14, rel=1e-7)
+    moves_likewise(found, problem, slip.start + 0.1 * (slip.end - slip.start), slip.end)
+
+
+def moves_likewise(found: Solution, problem: Problem, first: float, last: float) -> None:
+    times = np.linspace(first, last, 7)
     own = found.at(times)
-    centre, turned = six_degrees_of_freedom(problem, own, times)
-    assert centre_position(own, PAPER_CAN, problem.effects) == pytest.approx(centre, abs=2e-12)
+    centre, turned = six_degrees_of_freedom(problem, own, times - first)
+    np.testing.assert_allclose(
+        centre_position(own, PAPER_CAN, problem.effects), centre, rtol=0, atol=2e-12
+    )
     S, C = np.sin(own.phi), np.cos(own.phi)
     axis = np.stack([-S * np.cos(own.psi), -S * np.sin(own.psi), C], axis=-1)
     np.testing.assert_allclose(axis, turned, rtol=0, atol=2e-12)
