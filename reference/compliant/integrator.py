@@ -16,7 +16,7 @@ import numpy as np
 
 from reference.compliant.equations import DEPTH, RISE, ROWS, CompliantEquations
 from reference.equations.contact_laws import Mode
-from reference.equations.newton_euler import GeneralEquations
+from reference.equations.newton_euler import ROLLING_1, SLIP_1, SLIP_2, GeneralEquations
 from reference.equations.state_vector import (
     DISSIPATED,
     LEAN,
@@ -31,12 +31,12 @@ from reference.equations.state_vector import (
     tail_of,
 )
 from reference.equations.state_vector import ROWS as RIGID_ROWS
-from reference.nonsmooth.events import LOOKS, Event, EventKind, events
+from reference.nonsmooth.events import LIMITS, LOOKS, OF_THE_STATE, Event, EventKind, events
 from reference.nonsmooth.hybrid_integrator import FIRST, LONGEST, SHORTEST, HybridIntegrator
 from reference.nonsmooth.level_spin import stands
 from reference.nonsmooth.patch_onset import moving
 from reference.nonsmooth.segments import Segment, SegmentsPath
-from reference.nonsmooth.stopping import STOPPED
+from reference.nonsmooth.stopping import LANDING, STOPPED
 from reference.nonsmooth.transitions import ModeTransition, begin, begin_on_rim, running, turning
 from reference.problem.effects import LINEAR
 from reference.problem.outcome import Outcome
@@ -50,6 +50,8 @@ SHARE_OF_BOUNCE = 0.01
 BEGUN = 1e-14
 # Of a step: contact that is lost before it asks for a shorter one.
 HALF = 0.5
+# Of a step: events as near as this to the end of a contact are one with it.
+AS_ONE = 1e-9
 # Turns of the depth after which too much work is said to be that of vibrations.
 VIBRATIONS = 10
 FLIGHT = Mode(slips=True, flies=True)
@@ -218,12 +220,22 @@ class CompliantIntegrator(HybridIntegrator):
         return LONGEST if self._mode.flies else super()._left()
 
     def _events(self, piece: Segment) -> list[Event]:
-        return events(
+        met = events(
             piece,
             self._equations,
             self.watch.t_end,
             pushes=lambda seen: self._law.touching(seen.y),
         )
+        lifts = [event.c for event in met if event.what is EventKind.LIFTS]
+        # the limits of friction vanish with the force: what they let go with it goes with the rim
+        return [
+            event
+            for event in met
+            if event.what is EventKind.LIFTS
+            or event.what not in LIMITS - OF_THE_STATE
+            or not lifts
+            or abs(event.c - lifts[0]) > AS_ONE
+        ]
 
     def _switch(self, event: Event | None) -> None:
         """Change the law or end the motion, at an event."""
@@ -235,6 +247,17 @@ class CompliantIntegrator(HybridIntegrator):
             self._touch()
         elif not (event is None and self._mode.flies):
             super()._switch(event)
+
+    def _halt(self) -> None:
+        """Hold a slip that has stopped but for round-off: by the impulse that takes what is left.
+
+        Of the decelerations of a stiff contact that is not what a double of a velocity leaves.
+        """
+        before, slipped = self._y, self._mode.slips
+        super()._halt()
+        if slipped and not self._mode.slips and not self._law.patch:
+            stopped = [*self._law.moments_that_hold(self._mode), SLIP_1, SLIP_2]
+            self._y = self._law.landed(before, FLIGHT, stopped)
 
     def _go_on(self, now: ModeTransition) -> None:
         if now.ending is Outcome.LIFTED:
@@ -278,9 +301,12 @@ class CompliantIntegrator(HybridIntegrator):
             y[RISE] = law.stiffness / law.damping * (1 - BEGUN)
         y[DISSIPATED] -= self._law.stored(y[DEPTH])
         slips = bool(np.isfinite(self._law.mu) and np.hypot.reduce(moving(self._law, y)) > STOPPED)
-        if not slips:
-            y = self._law.landed(y, FLIGHT)
-        mode = self._rests(y, Mode(slips=slips))
+        # fluid in so thin a gap stops the contact point at once
+        lands = bool(self._law.fluid and y[LEAN] < LANDING)
+        stopped = [*([ROLLING_1] if lands else []), *([] if slips else [SLIP_1, SLIP_2])]
+        if stopped:
+            y = self._law.landed(y, FLIGHT, stopped)
+        mode = self._rests(y, Mode(slips=slips, lands=lands))
         self._y = y
         # the contact has its own time, which the steps of the flight say nothing of
         self._length = min(FIRST, FIRST * self._pace / float(Angles.of(y[LEAN]).S))
