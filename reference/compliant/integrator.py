@@ -145,10 +145,13 @@ class CompliantIntegrator(HybridIntegrator):
     def _released(self, problem: Problem) -> tuple[Floats, ModeTransition]:
         """Return the release: above the plane, or as deep in it as bears the rigid normal force.
 
-        Where a rigid contact has no motion, or several, the depth is that of the weight.
+        Where a rigid contact has no motion, or several, the depth is that of the weight. The rigid
+        contact is at a point: a patch that turns and does not slip yet has no force along the
+        plane, for the time that it takes to creep alone, and a force then as that of a point.
         """
         law = self._law
-        rigid = GeneralEquations(parameters=law.parameters, effects=law.effects)
+        at_a_point = replace(law.effects, patch=0.0)
+        rigid = GeneralEquations(parameters=law.parameters, effects=at_a_point)
         y = np.zeros(ROWS)
         y[:RIGID_ROWS] = released(problem)
         y[DEPTH] = -problem.height
