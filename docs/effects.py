@@ -78,7 +78,7 @@ def _carries(key: str, told: Mapping[str, Any]) -> str:
 def compliance() -> dict[str, str]:
     """Return of each engine the parts of the error of the turn on a contact that gives way."""
     rows = []
-    for engine, label in ENGINES.items():
+    for engine, label in {**ENGINES, "drake": "Drake"}.items():
         table = csv(f"compliance-{engine}/soft-rock-{engine}-matched-split.csv")
         turn = table[table["quantity"] == "turn_deg"].iloc[0]
         parts = ("softness", "model_form", "limit_uncertainty", "discretisation", "total")

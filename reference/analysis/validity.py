@@ -30,7 +30,7 @@ BESIDE_CONE = 1e-8
 # What a can does next that is no longer touching at one point of its rim.
 ENDINGS = {Outcome.OVERTURNED, Outcome.FELL_FLAT, Outcome.LIFTED, *PARADOXES}
 # A solver's own limits.
-LIMITS = {Outcome.OUTWORKED, Outcome.STALLED, Outcome.UNRESOLVED}
+LIMITS = {Outcome.OUTWORKED, Outcome.VIBRATES, Outcome.STALLED, Outcome.UNRESOLVED}
 NONE_CARRIES = "No reference model carries it."
 
 

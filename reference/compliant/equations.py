@@ -28,7 +28,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reference.equations.contact_laws import Contact, Mode
-from reference.equations.frames import to_body
+from reference.equations.frames import to_body, to_level
 from reference.equations.newton_euler import (
     NORMAL,
     ROLLING_1,
@@ -37,7 +37,7 @@ from reference.equations.newton_euler import (
     GeneralEquations,
 )
 from reference.equations.rigid_body import Setting
-from reference.equations.state_vector import DISSIPATED, SLIP, TURN, U1, U2, Index
+from reference.equations.state_vector import DISSIPATED, SLIP, TURN, U1, U2, W1, W3, Index
 from reference.equations.state_vector import ROWS as RIGID_ROWS
 from reference.problem.effects import LINEAR, Compliance
 from reference.problem.states import Floats
@@ -129,21 +129,35 @@ class CompliantEquations(GeneralEquations):
         elastic = 0.0 if mode.flies else self.stored(y[DEPTH])
         return np.asarray(GeneralEquations.energy(self, y, mode) + sunk + elastic)
 
-    def landed(self, y: Floats, mode: Mode) -> Floats:
-        """Return a state, shape (15,), whose rim sticks from now on.
+    def landed(self, y: Floats, mode: Mode, stopped: list[int]) -> Floats:
+        """Return a state, shape (15,), in which some motions at the contact have been stopped.
 
-        An impulse in the plane stops the material of the rim; the energy that it takes is counted
-        as dissipated.
+        By impulses of friction in the plane where the rim sticks from now on (`SLIP_1`, `SLIP_2`),
+        and of fluid where the contact point stops running (`ROLLING_1`). The energy that they take
+        is counted as dissipated.
+
+        Parameters
+        ----------
+        y : ndarray, shape (15,)
+        mode : Mode
+        stopped : list of int
+            Components of (w, u).
         """
         here = self._setting(y[:, None], mode)
         D = self._free(here, mode)[1][0]
         before = GeneralEquations.energy(self, y[:, None], mode)[0]
-        rim = [SLIP_1, SLIP_2]
-        change = D[:, rim] @ np.linalg.solve(D[np.ix_(rim, rim)], -y[SLIP])
+        level = to_level(y[TURN, None], here.at)[:, 0]
+        moves = np.array([*level, *y[SLIP], y[RISE]])[stopped]
+        change = D[:, stopped] @ np.linalg.solve(D[np.ix_(stopped, stopped)], -moves)
         out = y.copy()
         out[TURN] += to_body(change[:3, None], here.at)[:, 0]
+        out[SLIP] += change[[SLIP_1, SLIP_2]]
         out[RISE] += change[NORMAL]
-        out[SLIP] = 0.0
+        # exactly
+        if SLIP_1 in stopped:
+            out[SLIP] = 0.0
+        if ROLLING_1 in stopped:
+            out[W1] = out[W3] * here.at.S[0] / here.at.C[0]
         out[DISSIPATED] += before - GeneralEquations.energy(self, out[:, None], mode)[0]
         return out
 
@@ -163,7 +177,7 @@ class CompliantEquations(GeneralEquations):
             wrench = self._law(y, mode, motion) * (at.S * self.pressing(y))
             both = both + np.einsum("nij,jn->in", mobility, wrench)
         # a contact point held on the rim has theta' = 0 in directions that precess with the can
-        precessing = w[0] * w[1] if not mode.flies and self._held_on_rim(mode) else None
+        precessing = w[0] * w[1] if self._held_on_rim(mode) else None
         if precessing is not None:
             both[ROLLING_1] += precessing
         if held:

@@ -16,23 +16,27 @@ import numpy as np
 
 from reference.compliant.equations import DEPTH, RISE, ROWS, CompliantEquations
 from reference.equations.contact_laws import Mode
-from reference.equations.newton_euler import GeneralEquations
+from reference.equations.newton_euler import ROLLING_1, SLIP_1, SLIP_2, GeneralEquations
 from reference.equations.state_vector import (
     DISSIPATED,
-    SLIP,
+    LEAN,
+    QUIET,
     TIME,
+    Angles,
     Index,
+    X,
+    Y,
     released,
     sizes,
     tail_of,
 )
 from reference.equations.state_vector import ROWS as RIGID_ROWS
-from reference.nonsmooth.events import LOOKS, Event, EventKind, events
-from reference.nonsmooth.hybrid_integrator import LONGEST, SHORTEST, HybridIntegrator
+from reference.nonsmooth.events import LIMITS, LOOKS, OF_THE_STATE, Event, EventKind, events
+from reference.nonsmooth.hybrid_integrator import FIRST, LONGEST, SHORTEST, HybridIntegrator
 from reference.nonsmooth.level_spin import stands
 from reference.nonsmooth.patch_onset import moving
 from reference.nonsmooth.segments import Segment, SegmentsPath
-from reference.nonsmooth.stopping import STOPPED
+from reference.nonsmooth.stopping import LANDING, STOPPED
 from reference.nonsmooth.transitions import ModeTransition, begin, begin_on_rim, running, turning
 from reference.problem.effects import LINEAR
 from reference.problem.outcome import Outcome
@@ -46,6 +50,10 @@ SHARE_OF_BOUNCE = 0.01
 BEGUN = 1e-14
 # Of a step: contact that is lost before it asks for a shorter one.
 HALF = 0.5
+# Of a step: events as near as this to the end of a contact are one with it.
+AS_ONE = 1e-9
+# Turns of the depth after which too much work is said to be that of vibrations.
+VIBRATIONS = 10
 FLIGHT = Mode(slips=True, flies=True)
 
 
@@ -137,10 +145,13 @@ class CompliantIntegrator(HybridIntegrator):
     def _released(self, problem: Problem) -> tuple[Floats, ModeTransition]:
         """Return the release: above the plane, or as deep in it as bears the rigid normal force.
 
-        Where a rigid contact has no motion, or several, the depth is that of the weight.
+        Where a rigid contact has no motion, or several, the depth is that of the weight. The rigid
+        contact is at a point: a patch that turns and does not slip yet has no force along the
+        plane, for the time that it takes to creep alone, and a force then as that of a point.
         """
         law = self._law
-        rigid = GeneralEquations(parameters=law.parameters, effects=law.effects)
+        at_a_point = replace(law.effects, patch=0.0)
+        rigid = GeneralEquations(parameters=law.parameters, effects=at_a_point)
         y = np.zeros(ROWS)
         y[:RIGID_ROWS] = released(problem)
         y[DEPTH] = -problem.height
@@ -162,6 +173,14 @@ class CompliantIntegrator(HybridIntegrator):
         """Return the mode in which all is held that is at rest."""
         return replace(mode, rests=bool(self._law.resistance and stands(y[:, None])[0]))
 
+    def _stuck(self) -> Outcome:
+        outcome = super()._stuck()
+        if outcome is Outcome.OUTWORKED:
+            rises = np.sign([piece.start[RISE] for piece in self._pieces])
+            turns = np.count_nonzero(rises[1:] * rises[:-1] < 0)
+            return Outcome.VIBRATES if turns >= VIBRATIONS else outcome
+        return outcome
+
     def _recorder(self, problem: Problem, fall: float) -> ExtremumRecorder:
         return VibrationFilter(problem, fall)
 
@@ -180,7 +199,10 @@ class CompliantIntegrator(HybridIntegrator):
         size = np.abs(self._y[RIGID_ROWS:]) + np.abs(series[RIGID_ROWS:]).sum(axis=1)
         tail = np.abs(series[RIGID_ROWS:, -2:]).max(axis=1) / np.maximum(size, own)
         resisted = self._equations.resistance > 0
-        rigid = tail_of(self._y[:RIGID_ROWS], series[:RIGID_ROWS], resisted=resisted)
+        # the place of a rim above the plane begins at zero, and is none that need be known so well
+        start = self._y[:RIGID_ROWS].copy()
+        start[[X, Y]] = np.maximum(np.abs(start[[X, Y]]), QUIET)
+        rigid = tail_of(start, series[:RIGID_ROWS], resisted=resisted)
         return max(rigid, float(tail.max()))
 
     def _step(self) -> Segment | None:
@@ -201,21 +223,44 @@ class CompliantIntegrator(HybridIntegrator):
         return LONGEST if self._mode.flies else super()._left()
 
     def _events(self, piece: Segment) -> list[Event]:
-        return events(
+        met = events(
             piece,
             self._equations,
             self.watch.t_end,
             pushes=lambda seen: self._law.touching(seen.y),
         )
+        lifts = [event.c for event in met if event.what is EventKind.LIFTS]
+        # the limits of friction vanish with the force: what they let go with it goes with the rim
+        return [
+            event
+            for event in met
+            if event.what is EventKind.LIFTS
+            or event.what not in LIMITS - OF_THE_STATE
+            or not lifts
+            or abs(event.c - lifts[0]) > AS_ONE
+        ]
 
     def _switch(self, event: Event | None) -> None:
         """Change the law or end the motion, at an event."""
-        if event is not None and event.what is EventKind.LIFTS:
+        if event is not None and event.what is EventKind.LIFTS and self._neither_holds_nor_leaves():
+            self.watch.end(float(self._y[TIME]), Outcome.INDETERMINATE)
+        elif event is not None and event.what is EventKind.LIFTS:
             self._lift()
         elif event is not None and event.what is EventKind.TOUCHES:
             self._touch()
         elif not (event is None and self._mode.flies):
             super()._switch(event)
+
+    def _halt(self) -> None:
+        """Hold a slip that has stopped but for round-off: by the impulse that takes what is left.
+
+        Of the decelerations of a stiff contact that is not what a double of a velocity leaves.
+        """
+        before, slipped = self._y, self._mode.slips
+        super()._halt()
+        if slipped and not self._mode.slips and not self._law.patch:
+            stopped = [*self._law.moments_that_hold(self._mode), SLIP_1, SLIP_2]
+            self._y = self._law.landed(before, FLIGHT, stopped)
 
     def _go_on(self, now: ModeTransition) -> None:
         if now.ending is Outcome.LIFTED:
@@ -226,29 +271,61 @@ class CompliantIntegrator(HybridIntegrator):
     def _lift(self) -> None:
         """Let the can fly; the elastic energy that is left in the contact is lost."""
         y = self._y.copy()
-        if self._ends_at_the_surface():
+        if self._at_the_surface(y):
             y[DEPTH] = 0.0
         y[DISSIPATED] += self._law.stored(y[DEPTH])
         self._y = y
+        self._length = FIRST
         self._go_on(ModeTransition(mode=FLIGHT))
+
+    def _neither_holds_nor_leaves(self) -> bool:
+        """Return whether the friction that holds a rim for ever is what takes the force from it.
+
+        Without declared slip friction does not vanish with the normal force. Where the damper alone
+        has made that zero, the end of friction may press the rim again at once: contact falls into
+        ever shorter flights and impulses backwards in time, of which any sequence is a motion.
+        """
+        law, y = self._law.law, self._y
+        if self._mode.slips or np.isfinite(self._law.mu) or self._at_the_surface(y):
+            return False
+        rates = self._law.rates(y[:, None], FLIGHT, along=False)[:, 0]
+        pressed = law.stiffness * rates[DEPTH] if law.exponent == LINEAR else 0.0
+        return bool(pressed > law.damping * rates[RISE])
 
     def _touch(self) -> None:
         """Begin a contact, with a force that is not below zero by its round-off."""
         y, law = self._y.copy(), self._law.law
-        surface = law.damping * y[RISE] / law.stiffness if law.exponent == LINEAR else 0.0
-        y[DEPTH] = max(surface, 0.0) * (1 + BEGUN)
+        if law.exponent == LINEAR:
+            surface = law.damping * y[RISE] / law.stiffness
+            y[DEPTH] = max(surface, 0.0) * (1 + BEGUN)
+        elif self._at_the_surface(y):
+            y[DEPTH] = 0.0
+        else:
+            y[RISE] = law.stiffness / law.damping * (1 - BEGUN)
         y[DISSIPATED] -= self._law.stored(y[DEPTH])
-        slips = bool(np.isfinite(self._law.mu) and np.hypot(*y[SLIP]) > STOPPED)
-        if not slips:
-            y = self._law.landed(y, FLIGHT)
-        mode = self._rests(y, Mode(slips=slips))
+        slips = bool(np.isfinite(self._law.mu) and np.hypot.reduce(moving(self._law, y)) > STOPPED)
+        # fluid in so thin a gap stops the contact point at once
+        lands = bool(self._law.fluid and y[LEAN] < LANDING)
+        stopped = [*([ROLLING_1] if lands else []), *([] if slips else [SLIP_1, SLIP_2])]
+        if stopped:
+            y = self._law.landed(y, FLIGHT, stopped)
+        mode = self._rests(y, Mode(slips=slips, lands=lands))
         self._y = y
-        if self._law.pressing(y) > 0:
+        # the contact has its own time, which the steps of the flight say nothing of
+        self._length = min(FIRST, FIRST * self._pace / float(Angles.of(y[LEAN]).S))
+        margin = float(self._law.touching(y[:, None])[0])
+        if margin < 0 or (margin == 0 and y[RISE] > 0):
+            # the impulse that stops the rim throws it up
+            self._lift()
+        elif self._law.pressing(y) > 0:
             self._go_on(begin(self._law, y, mode))
         else:
             mode = turning(self._law, y[:, None], mode)
             self._go_on(ModeTransition(mode=running(self._law, y[:, None], mode)))
 
-    def _ends_at_the_surface(self) -> bool:
-        """Return whether the law has no force at depth zero, at any rate."""
-        return self._law.law.exponent > LINEAR or self._law.law.damping == 0
+    def _at_the_surface(self, y: Floats) -> bool:
+        """Return whether it is the depth that makes the force zero, and not the rate."""
+        law = self._law.law
+        if law.exponent == LINEAR:
+            return law.damping == 0
+        return float(y[DEPTH]) / self._rest <= 1 - law.damping / law.stiffness * float(y[RISE])

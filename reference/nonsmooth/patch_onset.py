@@ -167,7 +167,8 @@ def _solved(equations: GeneralEquations, y: Floats, mode: Mode, starts: Floats) 
         update = np.linalg.solve(np.eye(3) - slopes, residual.T[..., None])[..., 0].T
         # a motion turns by half of itself at most
         length = np.linalg.norm(update, axis=0)
-        update *= np.minimum(1.0, 0.5 * size / np.maximum(length, np.finfo(float).tiny))
+        most = np.maximum(0.5 * size, np.finfo(float).tiny)
+        update *= 0.5 * size / np.maximum(length, most)
         q = q - update
         if (length <= SOLVED * size).all():
             break

@@ -34,8 +34,16 @@ class Outcome(Enum):
         "The motion calls for more than 200000 evaluations of its equations: it is not followed "
         "further."
     )
+    VIBRATES = (
+        "The contact vibrates: its impacts and vibrations call for more than 200000 evaluations of "
+        "the equations, and the motion is not followed further."
+    )
     STALLED = "The integrator could not advance: the step fell below what a double resolves."
     UNRESOLVED = (
         "Round-off decides how this motion goes on: no method can be trusted here, so no bounce "
         "is given."
     )
+
+
+UNFINISHED = frozenset({Outcome.OUTWORKED, Outcome.VIBRATES})
+"""Outcomes of a motion that goes on, and calls for too much work."""

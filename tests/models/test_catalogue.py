@@ -26,11 +26,12 @@ PANELS = ("paper-release", "petals", "wobble", "cusps")  # a, b, c, d of fig01:c
 WITH_EFFECTS = {
     "chaotic-can": ("shake", "point_mass"),
     "dropped-can": ("slip", "restitution"),
+    "euler-disk": ("slip", "contour_friction"),
     "falls-flat": ("restitution",),
-    "euler-disk-toy": ("slip", "contour_friction"),
     "off-centre-mass": ("point_mass",),
     "shaken-plane": ("shake",),
     "slipping-rock": ("slip",),
+    "soft-rock": ("compliance",),
     "thrown-up": ("slip", "restitution", "shake"),
     "tilted-plane": ("tilt",),
 }
@@ -41,7 +42,7 @@ def test_the_catalogue_has_the_scenes_it_promises() -> None:
         "chaotic-can",
         "cusps",
         "dropped-can",
-        "euler-disk-toy",
+        "euler-disk",
         "falls-flat",
         "gentle-rock",
         "off-centre-mass",
@@ -49,6 +50,7 @@ def test_the_catalogue_has_the_scenes_it_promises() -> None:
         "petals",
         "shaken-plane",
         "slipping-rock",
+        "soft-rock",
         "steady-rolling",
         "straight-rolling",
         "thrown-up",
@@ -63,7 +65,7 @@ def test_a_scene_is_named_after_its_file_and_cites_its_source(name: str) -> None
     assert scene.name == name
     sources = ("arXiv:2302.08335", "Phys. Rev. E 78, 066609", "Nature 404 (2000) 833")
     assert any(source in scene.cite for source in sources)
-    assert (scene.can == PAPER_CAN) == (name != "euler-disk-toy")
+    assert (scene.can == PAPER_CAN) == (name != "euler-disk")
     assert scene.gravity == 9.81
     assert scene.effects.declared() == WITH_EFFECTS.get(name, ())
 

@@ -128,6 +128,19 @@ def test_rolling_resistance_brings_phi_and_its_rate_to_zero_together() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("arm", [0.03, 0.005])
+def test_eulers_disk_ends_where_the_law_of_its_rolling_resistance_has_it(arm: float) -> None:
+    """The arm takes the power 2 arm phi^(1/2) of an energy 3/2 phi: phi = (2/3 arm (t_f - t))^2."""
+    found = spun(Effects(rolling_resistance=arm), phi=0.1)
+    assert found.outcome is Outcome.CAME_TO_REST
+    rest = coming_to_rest(found)
+    assert rest is not None
+    # steady rolling at 0.1 rad has corrections of that order
+    assert rest.time == pytest.approx(1.5 * math.sqrt(0.1) / arm, rel=0.01)
+    assert rest.exponent == pytest.approx(2.0, abs=0.02)
+
+
+@pytest.mark.slow
 def test_a_disk_that_slips_on_its_way_is_followed_to_the_end() -> None:
     """Stick and slip alternate ever faster: a geometric sequence, whose limit is the end."""
     found = spun(Effects(rolling_resistance=0.03, mu=0.3), phi=0.1)

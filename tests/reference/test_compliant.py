@@ -38,7 +38,30 @@ EPS = float(np.finfo(float).eps)
 HEIGHT = 0.01
 SPEED = math.sqrt(2 * HEIGHT)
 ROCKING = Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=0.2, bounces=1)
+TILTED = Gravity(constant=(0.03, 0.04, -math.sqrt(1 - 0.05**2)))
+TUMBLING = Problem(
+    parameters=PAPER_CAN,
+    phi=0.35,
+    psi=0.2,
+    psi_dot=0.4,
+    theta_dot=-0.3,
+    phi_dot=-0.1,
+    duration=0.9,
+)
 LOCUS = frozenset({"contact_locus"})
+SCENES = 1000
+ENDED = {
+    Outcome.FINISHED,
+    Outcome.OVERTURNED,
+    Outcome.FELL_FLAT,
+    Outcome.CAME_TO_REST,
+    Outcome.VIBRATES,
+}
+EXCLUDED = {
+    frozenset({"contour_friction", "rolling_resistance"}),
+    frozenset({"patch", "drilling"}),
+    *(frozenset({name, "sticks for ever"}) for name in ("slip", "static", "patch")),
+}
 
 
 def soft(problem: Problem, law: Compliance, height: float = 0.0) -> Solution:
@@ -148,6 +171,9 @@ def test_a_drop_on_hertz_is_what_its_energy_says() -> None:
             mass=Mass(share=0.1, x=0.4, y=0.2, z=0.3),
             gravity=Gravity(amplitude=(0.1, 0.05, 0.2), rate=3.0, phase=0.4),
         ),
+        Effects(contour=0.01, contour_damping=2e-3, film=2e-4, boundary_layer=1e-3),
+        Effects(mu=0.4, mu_static=0.5, contour=0.01, film=2e-4, rim=0.1),
+        Effects(mu=0.3, mu_static=0.35, patch=0.03, boundary_layer=1e-3, rolling_resistance=1e-3),
     ],
 )
 @pytest.mark.parametrize("exponent", [1.0, 1.5])
@@ -185,29 +211,52 @@ def test_the_rigid_can_is_the_limit_at_the_rate_of_the_depth_at_rest(exponent: f
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.5])
-@pytest.mark.parametrize("mu", [None, 0.0, 0.3])
-def test_a_body_of_six_degrees_of_freedom_moves_likewise(exponent: float, mu: float | None) -> None:
+@pytest.mark.parametrize(
+    "laws",
+    [
+        Effects(),
+        Effects(mu=0.0),
+        Effects(mu=0.3),
+        Effects(contour=0.01, contour_damping=2e-3, film=2e-4, boundary_layer=1e-3),
+        Effects(mu=0.3, contour_damping=2e-3, film=1e-3),
+        Effects(mu=0.3, patch=0.1, contour_damping=2e-3),
+    ],
+)
+def test_a_body_of_six_degrees_of_freedom_moves_likewise(exponent: float, laws: Effects) -> None:
     """The same law by another route: a quaternion, forces in the world, an explicit method."""
     law = Compliance(stiffness=300.0**exponent, damping=2.0, exponent=exponent)
-    gravity = Gravity(constant=(0.03, 0.04, -math.sqrt(1 - 0.05**2)))
-    problem = Problem(
-        parameters=PAPER_CAN,
-        phi=0.35,
-        psi=0.2,
-        psi_dot=0.4,
-        theta_dot=-0.3,
-        phi_dot=-0.1,
-        duration=0.9,
-        effects=Effects(mu=mu, gravity=gravity, compliance=law, angular_damping=0.05),
-        slip=(0.9, 0.6) if mu is not None else (0.0, 0.0),
-    )
+    effects = replace(laws, gravity=TILTED, compliance=law, angular_damping=0.05)
+    mu = laws.mu
+    slip = (0.9, 0.6) if mu is not None else (0.0, 0.0)
+    problem = replace(TUMBLING, effects=effects, slip=slip)
     found = solve(problem, outputs=LOCUS)
     expected = Kind.STICK if mu is None else Kind.SLIP
     assert [phase.kind for phase in found.phases] == [expected]
-    times = np.linspace(0, 0.9, 7)
+    moves_likewise(found, problem, 0.0, 0.9)
+
+
+def test_static_friction_holds_a_soft_contact_up_to_its_limit_and_then_kinetic_acts() -> None:
+    law = Compliance(stiffness=300.0, damping=2.0)
+    laws = Effects(mu=0.18, mu_static=0.21, contour_damping=1e-3)
+    problem = replace(TUMBLING, phi_dot=0.0, effects=replace(laws, compliance=law))
+    found = solve(problem, outputs=LOCUS)
+    stick, slip = found.phases[:2]
+    assert (stick.kind, slip.kind) == (Kind.STICK, Kind.SLIP)
+    held = replace(problem, effects=replace(problem.effects, mu=None, mu_static=None))
+    moves_likewise(found, held, 0.0, stick.end)
+    force = found.at(np.array([stick.end * (1 - 1e-12)])).force
+    assert force is not None
+    assert np.hypot(*force[0, :2]) / force[0, 2] == pytest.approx(0.21, rel=1e-7)
+    moves_likewise(found, problem, slip.start + 0.1 * (slip.end - slip.start), slip.end)
+
+
+def moves_likewise(found: Solution, problem: Problem, first: float, last: float) -> None:
+    times = np.linspace(first, last, 7)
     own = found.at(times)
-    centre, turned = six_degrees_of_freedom(problem, own, times)
-    assert centre_position(own, PAPER_CAN, problem.effects) == pytest.approx(centre, abs=2e-12)
+    centre, turned = six_degrees_of_freedom(problem, own, times - first)
+    np.testing.assert_allclose(
+        centre_position(own, PAPER_CAN, problem.effects), centre, rtol=0, atol=2e-12
+    )
     S, C = np.sin(own.phi), np.cos(own.phi)
     axis = np.stack([-S * np.cos(own.psi), -S * np.sin(own.psi), C], axis=-1)
     np.testing.assert_allclose(axis, turned, rtol=0, atol=2e-12)
@@ -253,26 +302,120 @@ def test_what_does_not_go_together_is_refused() -> None:
 def test_too_stiff_a_vibration_is_said_to_be_too_much_work(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(hybrid_integrator, "MOST_WORK", 2000)
+    monkeypatch.setattr(hybrid_integrator, "MOST_WORK", 4000)
     hard = Compliance(stiffness=1e9)
     found = soft(replace(ROCKING, bounces=None, duration=3.0), hard, 1e-3)
-    assert found.outcome is Outcome.OUTWORKED
+    assert found.outcome is Outcome.VIBRATES
     assert 0 < found.t_end < 3.0
 
 
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0])
+@pytest.mark.parametrize("mu", [None, 0.3])
+def test_a_rim_that_is_pulled_out_faster_than_the_surface_follows_stays_where_it_is(
+    exponent: float, mu: float | None
+) -> None:
+    """Contact ends and begins at a depth: neither the depth nor its energy jumps."""
+    law = Compliance(stiffness=100.0, damping=1000.0 if exponent > 1 else 30.0, exponent=exponent)
+    effects = Effects(mu=mu, gravity=Gravity(amplitude=(0.0, 0.0, 3.0), rate=6.0))
+    found = soft(replace(ROCKING, bounces=None, duration=2.5, effects=effects), law)
+    lifts = [phase.start for phase in found.phases if phase.kind is Kind.FLIGHT]
+    gap = found.at(np.array(lifts)).gap
+    assert gap is not None
+    assert gap.min() < -0.01
+    whole = energies(found)
+    assert np.ptp(whole) < 1e-12 * np.abs(whole).max()
+
+
+def test_friction_that_stops_the_rim_may_throw_it_up_again() -> None:
+    """A rim that cannot slip lands turning: the impulse along the plane lifts what it stops."""
+    rod = replace(PAPER_CAN, a=1.2, c=1.8, h=1.9)
+    falls = Problem(
+        parameters=rod, phi=0.72, phi_dot=0.8, psi_dot=0.16, theta_dot=0.6, duration=0.3
+    )
+    found = soft(falls, Compliance(stiffness=1e4, exponent=1.5), 1e-3)
+    assert found.outcome is Outcome.FINISHED
+    assert found.phases[0].kind is Kind.FLIGHT
+    whole = energies(found)
+    assert np.ptp(whole) < 1e-12 * np.abs(whole).max()
+
+
+def test_a_rim_that_never_slips_may_have_no_one_way_to_leave_a_damper() -> None:
+    """Its friction does not vanish with the normal force; that of a large coefficient does."""
+    problem = random_problem(38)
+    found = solve(problem)
+    assert problem.effects.mu is None
+    assert found.outcome is Outcome.INDETERMINATE
+    late = []
+    for mu in (1e2, 1e3, 1e4):
+        slips = solve(replace(problem, effects=replace(problem.effects, mu=mu)))
+        stick, slip = slips.phases
+        assert (stick.kind, slip.kind) == (Kind.STICK, Kind.SLIP)
+        assert slips.outcome is Outcome.FELL_FLAT
+        late.append(found.t_end - slip.start)
+    # the limit of large coefficients slips from that instant on: it is no rim that never slips
+    assert late[0] / late[1] == pytest.approx(10, rel=0.05)
+    assert late[1] / late[2] == pytest.approx(10, rel=0.05)
+
+
+def test_a_contact_point_that_friction_holds_is_free_in_the_air() -> None:
+    law, release = Compliance(stiffness=1e4), replace(ROCKING, bounces=None, duration=0.3)
+    flown = soft(replace(release, effects=Effects(contour=0.01)), law, 0.05).at(0.25)
+    alone = soft(release, law, 0.05).at(0.25)
+    assert flown.theta_dot[0] == alone.theta_dot[0]
+    assert flown.psi[0] == alone.psi[0]
+
+
+def fault_of(problem: Problem) -> str:
+    """Return what is wrong with the solution of a problem; nothing if nothing is."""
+    found = solve(problem, outputs=LOCUS)
+    law = problem.effects.compliance
+    # a rim that never slips on a damper: see the test of such a one
+    several = problem.effects.mu is None and law is not None and law.damping > 0
+    if found.outcome is Outcome.INDETERMINATE and several:
+        return ""
+    if found.outcome not in ENDED:
+        return f"{found.outcome.name} at {found.t_end:.6g} after {found.evaluations}"
+    force = found.at(np.linspace(0, found.t_end, 300)).force
+    assert force is not None
+    if not np.isfinite(force).all():
+        return "not a number"
+    if (pull := float(force[:, 2].min())) < -1e-12:
+        return f"pulled with {-pull:.2g} m g"
+    whole = energies(found)
+    missing = float(np.ptp(whole)) / (1 + float(np.abs(whole).max()))
+    return f"lacks {missing:.2g} of its energy" if missing > 1e-12 else ""
+
+
+def test_random_scenes_have_a_motion_and_are_never_pulled() -> None:
+    faults = {number: fault_of(random_problem(number)) for number in range(0, SCENES, 25)}
+    assert not {number: fault for number, fault in faults.items() if fault}
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("part", range(10))
-def test_random_scenes_have_a_motion_and_are_never_pulled(part: int) -> None:
-    too_much = 0
-    for number in range(100):
-        problem = random_problem(np.random.default_rng(100 * part + number))
-        found = solve(problem, outputs=LOCUS)
-        ended = {Outcome.FINISHED, Outcome.OVERTURNED, Outcome.FELL_FLAT}
-        too_much += found.outcome is Outcome.OUTWORKED
-        assert found.outcome in ended or found.outcome is Outcome.OUTWORKED, (part, number)
-        force = found.at(np.linspace(0, found.t_end, 300)).force
-        assert force is not None
-        assert force[:, 2].min() >= -1e-9, (part, number)
-        whole = energies(found)
-        assert np.ptp(whole) <= 1e-12 * (1 + np.abs(whole).max()), (part, number)
-    assert too_much <= 2  # of a hundred, with a stiff contact that hardly damps
+def test_a_thousand_random_scenes_have_a_motion_and_are_never_pulled() -> None:
+    faults = {number: fault_of(random_problem(number)) for number in range(SCENES)}
+    assert not {number: fault for number, fault in faults.items() if fault}
+
+
+def test_every_effect_is_drawn_with_every_other_that_it_does_not_exclude() -> None:
+    drawn = [random_problem(number) for number in range(SCENES)]
+    sets = [set(problem.effects.declared()) | extras(problem) for problem in drawn]
+    names = sorted(set().union(*sets))
+    for index, one in enumerate(names):
+        for other in names[:index]:
+            together = sum({one, other} <= named for named in sets)
+            assert together > 10 or frozenset({one, other}) in EXCLUDED, (one, other)
+
+
+def extras(problem: Problem) -> set[str]:
+    """Return what a scene declares beside the names of its effects."""
+    effects, law = problem.effects, problem.effects.compliance
+    assert law is not None
+    there = {
+        "height": problem.height > 0,
+        "static": effects.mu_static != effects.mu,
+        "damped": law.damping > 0,
+        "curved": law.exponent > 1,
+        "sticks for ever": effects.mu is None,
+    }
+    return {name for name, declared in there.items() if declared}

@@ -7,13 +7,15 @@ import scipy
 from numpy.typing import NDArray
 
 from reference import Compliance, Effects, Gravity, Mass, Parameters, Problem, States
+from reference.equations.patch_friction import friction_of_patch
 from reference.equations.reaction_force import centre_position, centre_velocity, turning_in_world
 
 Floats = NDArray[np.float64]
 
 
-def random_problem(rng: np.random.Generator) -> Problem:
+def random_problem(number: int) -> Problem:
     """Return a can of any shape with any effects; its weight presses it in by 1e-6 to 1e-2."""
+    rng = np.random.default_rng(number)
 
     def perhaps(value: float, chance: float = 0.35) -> float:
         return float(value) if rng.random() < chance else 0.0
@@ -51,10 +53,22 @@ def random_problem(rng: np.random.Generator) -> Problem:
     mu = float(10 ** rng.uniform(-1.3, 0.3)) if rng.random() < 0.6 else None
     if mu is not None and rng.random() < 0.1:
         mu = 0.0
+    drilling = perhaps(10 ** rng.uniform(-4, -1.5)) * (mu != 0.0)
+    resistance = perhaps(10 ** rng.uniform(-4, -1.5)) * (mu != 0.0)
+    # what excludes another is drawn for those without that other
+    contour = perhaps(10 ** rng.uniform(-4, -1.5)) * (not resistance)
+    patch = perhaps(10 ** rng.uniform(-4, -0.5)) * (bool(mu) and not drilling)
+    static = None if mu is None else mu * (1 + perhaps(rng.uniform(0, 0.6)))
     effects = Effects(
         mu=mu,
-        drilling=perhaps(10 ** rng.uniform(-4, -1.5)) * (mu != 0.0),
-        rolling_resistance=perhaps(10 ** rng.uniform(-4, -1.5)) * (mu != 0.0),
+        mu_static=static,
+        patch=patch,
+        drilling=drilling,
+        rolling_resistance=resistance,
+        contour=contour,
+        contour_damping=perhaps(10 ** rng.uniform(-4, -1.5), 0.25),
+        film=perhaps(10 ** rng.uniform(-4, -1.5), 0.25),
+        boundary_layer=perhaps(10 ** rng.uniform(-4, -1.5), 0.25),
         linear_damping=perhaps(rng.uniform(0, 0.1)),
         angular_damping=perhaps(rng.uniform(0, 0.1)),
         rim=perhaps(rng.uniform(0, 0.3) * min(1, h)),
@@ -79,7 +93,8 @@ def six_degrees_of_freedom(problem: Problem, start: States, times: Floats) -> tu
     """Return centre and axis of a can without point mass, shape (n, 3) each, at the given times.
 
     The state is the centre, a quaternion, and both velocities in the world. The lowest point of the
-    rim is found from the axis alone. Friction is Coulomb's of a rim that slips, or holds it.
+    rim is found from the axis alone. Friction is Coulomb's of a rim that slips, or holds it; that
+    of a patch is held against a sum over its elements elsewhere.
 
     Parameters
     ----------
@@ -113,12 +128,18 @@ def six_degrees_of_freedom(problem: Problem, start: States, times: Floats) -> tu
         world = turned @ inertia @ turned.T
         back = np.linalg.inv(world)
         drag = np.cross(w, world @ w) + effects.angular_damping * world @ w
+        drag -= _against_running(axis, w, N, effects)
 
         def accelerations(force: Floats) -> tuple[Floats, Floats]:
             return gravity + force, back @ (np.cross(arm, force) - drag)
 
         force = np.array([0.0, 0.0, N])
-        if effects.mu is not None:
+        if effects.mu is not None and effects.patch:
+            moved = np.array([[u[0]], [u[1]], [effects.patch * w[2]]])
+            shared = effects.mu * N * friction_of_patch(moved)[:, 0]
+            force[:2] = shared[:2]
+            drag -= np.array([0.0, 0.0, effects.patch * shared[2]])
+        elif effects.mu is not None:
             force[:2] = -effects.mu * N * u[:2] / np.linalg.norm(u[:2])
         else:
             # out turns with the axis: its rate from that of its level part
@@ -156,3 +177,14 @@ def six_degrees_of_freedom(problem: Problem, start: States, times: Floats) -> tu
     )
     turned = scipy.spatial.transform.Rotation.from_quat(found.y[3:7].T)
     return found.y[:3].T, turned.as_matrix()[:, :, 2]
+
+
+def _against_running(axis: Floats, w: Floats, N: float, effects: Effects) -> Floats:
+    """Return the moment in the world, shape (3,), of the laws that oppose theta'."""
+    sine = math.hypot(axis[0], axis[1])
+    # w = psi' z + phi' e + theta' axis, with e and z across this horizontal line
+    line = (axis[2] * np.array([0.0, 0.0, 1.0]) - axis) / sine
+    rate = -float(w @ line) / sine
+    force = effects.contour * N * np.sign(rate) + effects.contour_damping * rate
+    force += effects.film * rate / sine + effects.boundary_layer * math.sqrt(abs(rate)) * rate
+    return np.asarray(line * force / sine)

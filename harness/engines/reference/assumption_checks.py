@@ -10,7 +10,8 @@ from harness.engines.reference.truth import SCENES, Truth, sample_truth, truth
 from harness.engines.registry import missing_effects
 from harness.engines.stepping.horizon import natural_time
 from models.scene import Scene
-from reference import PARTED, Finding, FindingKind, Guard, Outcome, divergence, examine
+from reference import PARTED, Finding, FindingKind, Guard, divergence, examine
+from reference.problem.outcome import UNFINISHED
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,7 +80,7 @@ def divergence_of(scene: Scene) -> Divergence | None:
     if refusal(scene) or not may_be_chaotic(scene):
         return None
     solution = truth(scene).solution
-    ends = solution.outcome is Outcome.OUTWORKED or solution.t_end == 0.0
+    ends = solution.outcome in UNFINISHED or solution.t_end == 0.0
     # of impacts, which part neighbours by their times, there are no equations of variation
     if ends or solution.problem.effects.restitution is not None:
         return None

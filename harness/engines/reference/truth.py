@@ -29,7 +29,6 @@ from reference import (
     RENAMED_METHODS,
     Choice,
     Impact,
-    Outcome,
     Phase,
     Problem,
     Solution,
@@ -44,6 +43,7 @@ from reference import (
 )
 from reference.analysis.conditioning import lost_of_force
 from reference.equations.reaction_force import contact_force_in_world
+from reference.problem.outcome import UNFINISHED
 from reference.smooth.scipy_ivp import SCIPY_METHODS
 
 MOST = 16
@@ -141,7 +141,7 @@ class Truth:
     @property
     def complete(self) -> bool:
         """Whether the motion is followed to its end, and does not call for too much work."""
-        return self.solution.outcome is not Outcome.OUTWORKED
+        return self.solution.outcome not in UNFINISHED
 
     @property
     def rest(self) -> dict[str, float | str | None] | None:

@@ -27,7 +27,7 @@ _QUICK = (
     "epsilon-1e-04",
     "epsilon-1e-08",
     "epsilon-1e-24",
-    "euler-disk",
+    "euler-disk-early",
     "free-tumbling",
     "hundred-g",
     "needle-moments",
