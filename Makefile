@@ -10,7 +10,7 @@ ENGINES_VENV ?= .venv-engines
 ENGINES ?= $(shell $(PYTHON) -c 'import tomllib; of = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
 	print(*sorted({*of["optional-dependencies"]} & {*of["entry-points"]["rockingcan.engines"]}))')
 
-.PHONY: validate engines test test-all test-engines explore mutants docs numbers measure lint types contracts models schema clean
+.PHONY: validate engines test test-all test-engines explore random-scenes mutants docs numbers measure lint types contracts models schema clean
 
 validate: $(VENV)/ready
 	$(BIN)/rockingcan validate --suite $(SUITE)
@@ -37,6 +37,10 @@ test-engines: $(ENGINES_VENV)/ready
 # property tests with fresh seeds; tests/conftest.py says what becomes of what they find
 explore: $(VENV)/ready-to-test
 	$(BIN)/python -m pytest -m hypothesis --hypothesis-profile=explore
+
+# a thousand random scenes of each kind of contact, of which the tests take a sample
+random-scenes: $(VENV)/ready-to-test
+	$(BIN)/python -m tests.random_scenes
 
 # what the tests would not notice if it changed; SHARE=0.1 draws a tenth of it
 SHARE ?= 1

@@ -1,4 +1,4 @@
-"""A contact that gives way: drops in closed form, the rigid limit, another formulation, at random.
+"""A contact that gives way: drops in closed form, the rigid limit, and another formulation.
 
 The can balanced on its rim has its centre above the contact point, so that a drop of it is that of
 a mass on a spring, along a line.
@@ -26,13 +26,10 @@ from reference import (
     SolverError,
     solve,
 )
-from reference.compliant.equations import CompliantEquations
-from reference.compliant.integrator import CompliantPath
 from reference.equations.contact_laws import Phase
 from reference.equations.reaction_force import centre_position
-from reference.equations.state_vector import DISSIPATED, SUPPLIED
 from reference.nonsmooth import hybrid_integrator
-from tests.support.soft_contact import random_problem, six_degrees_of_freedom
+from tests.support.soft_contact import energies, random_problem, six_degrees_of_freedom
 
 EPS = float(np.finfo(float).eps)
 HEIGHT = 0.01
@@ -49,19 +46,6 @@ TUMBLING = Problem(
     duration=0.9,
 )
 LOCUS = frozenset({"contact_locus"})
-SCENES = 1000
-ENDED = {
-    Outcome.FINISHED,
-    Outcome.OVERTURNED,
-    Outcome.FELL_FLAT,
-    Outcome.CAME_TO_REST,
-    Outcome.VIBRATES,
-}
-EXCLUDED = {
-    frozenset({"contour_friction", "rolling_resistance"}),
-    frozenset({"patch", "drilling"}),
-    *(frozenset({name, "sticks for ever"}) for name in ("slip", "static", "patch")),
-}
 
 
 def soft(problem: Problem, law: Compliance, height: float = 0.0) -> Solution:
@@ -83,25 +67,6 @@ def deepest(found: Solution, contact: Phase) -> float:
     gap = found.at(np.linspace(contact.start, contact.end, 4001)).gap
     assert gap is not None
     return float(-gap.min())
-
-
-def energies(found: Solution) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """Return the energy that is there and has been lost, less that supplied, piece by piece."""
-    path = found.path
-    assert isinstance(path, CompliantPath)
-    law = found.problem.effects.compliance
-    assert law is not None
-    equations = CompliantEquations(
-        parameters=found.problem.parameters, effects=found.problem.effects, law=law
-    )
-    return np.array(
-        [
-            equations.energy(piece.start[:, None], piece.mode)[0]
-            + piece.start[DISSIPATED]
-            - piece.start[SUPPLIED]
-            for piece in path.pieces
-        ]
-    )
 
 
 @pytest.mark.parametrize("stiffness", [1e3, 1e5, 1e8])
@@ -363,59 +328,3 @@ def test_a_contact_point_that_friction_holds_is_free_in_the_air() -> None:
     alone = soft(release, law, 0.05).at(0.25)
     assert flown.theta_dot[0] == alone.theta_dot[0]
     assert flown.psi[0] == alone.psi[0]
-
-
-def fault_of(problem: Problem) -> str:
-    """Return what is wrong with the solution of a problem; nothing if nothing is."""
-    found = solve(problem, outputs=LOCUS)
-    law = problem.effects.compliance
-    # a rim that never slips on a damper: see the test of such a one
-    several = problem.effects.mu is None and law is not None and law.damping > 0
-    if found.outcome is Outcome.INDETERMINATE and several:
-        return ""
-    if found.outcome not in ENDED:
-        return f"{found.outcome.name} at {found.t_end:.6g} after {found.evaluations}"
-    force = found.at(np.linspace(0, found.t_end, 300)).force
-    assert force is not None
-    if not np.isfinite(force).all():
-        return "not a number"
-    if (pull := float(force[:, 2].min())) < -1e-12:
-        return f"pulled with {-pull:.2g} m g"
-    whole = energies(found)
-    missing = float(np.ptp(whole)) / (1 + float(np.abs(whole).max()))
-    return f"lacks {missing:.2g} of its energy" if missing > 1e-12 else ""
-
-
-def test_random_scenes_have_a_motion_and_are_never_pulled() -> None:
-    faults = {number: fault_of(random_problem(number)) for number in range(0, SCENES, 25)}
-    assert not {number: fault for number, fault in faults.items() if fault}
-
-
-@pytest.mark.slow
-def test_a_thousand_random_scenes_have_a_motion_and_are_never_pulled() -> None:
-    faults = {number: fault_of(random_problem(number)) for number in range(SCENES)}
-    assert not {number: fault for number, fault in faults.items() if fault}
-
-
-def test_every_effect_is_drawn_with_every_other_that_it_does_not_exclude() -> None:
-    drawn = [random_problem(number) for number in range(SCENES)]
-    sets = [set(problem.effects.declared()) | extras(problem) for problem in drawn]
-    names = sorted(set().union(*sets))
-    for index, one in enumerate(names):
-        for other in names[:index]:
-            together = sum({one, other} <= named for named in sets)
-            assert together > 10 or frozenset({one, other}) in EXCLUDED, (one, other)
-
-
-def extras(problem: Problem) -> set[str]:
-    """Return what a scene declares beside the names of its effects."""
-    effects, law = problem.effects, problem.effects.compliance
-    assert law is not None
-    there = {
-        "height": problem.height > 0,
-        "static": effects.mu_static != effects.mu,
-        "damped": law.damping > 0,
-        "curved": law.exponent > 1,
-        "sticks for ever": effects.mu is None,
-    }
-    return {name for name, declared in there.items() if declared}

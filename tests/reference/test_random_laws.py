@@ -86,13 +86,9 @@ def fault_of(problem: Problem) -> str:
 
 
 @pytest.mark.slow
-def test_a_thousand_random_scenes_have_a_motion_that_the_plane_only_pushes() -> None:
-    faults = {}
-    for number in range(SCENES):
-        problem = drawn(number).problem
-        if fault := fault_of(problem):
-            faults[number] = (fault, problem)
-    assert not faults
+@pytest.mark.parametrize("number", range(5, SCENES, 10))
+def test_a_random_scene_has_a_motion_that_the_plane_only_pushes(number: int) -> None:
+    assert not fault_of(drawn(number).problem)
 
 
 def test_every_law_is_drawn_with_every_other() -> None:

@@ -6,9 +6,12 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reference import Compliance, Effects, Gravity, Mass, Parameters, Problem, States
+from reference import Compliance, Effects, Gravity, Mass, Parameters, Problem, Solution, States
+from reference.compliant.equations import CompliantEquations
+from reference.compliant.integrator import CompliantPath
 from reference.equations.patch_friction import friction_of_patch
 from reference.equations.reaction_force import centre_position, centre_velocity, turning_in_world
+from reference.equations.state_vector import DISSIPATED, SUPPLIED
 
 Floats = NDArray[np.float64]
 
@@ -56,7 +59,7 @@ def random_problem(number: int) -> Problem:
     drilling = perhaps(10 ** rng.uniform(-4, -1.5)) * (mu != 0.0)
     resistance = perhaps(10 ** rng.uniform(-4, -1.5)) * (mu != 0.0)
     # what excludes another is drawn for those without that other
-    contour = perhaps(10 ** rng.uniform(-4, -1.5)) * (not resistance)
+    contour = perhaps(10 ** rng.uniform(-4, -1.5)) * (mu != 0.0 and not resistance)
     patch = perhaps(10 ** rng.uniform(-4, -0.5)) * (bool(mu) and not drilling)
     static = None if mu is None else mu * (1 + perhaps(rng.uniform(0, 0.6)))
     effects = Effects(
@@ -188,3 +191,22 @@ def _against_running(axis: Floats, w: Floats, N: float, effects: Effects) -> Flo
     force = effects.contour * N * np.sign(rate) + effects.contour_damping * rate
     force += effects.film * rate / sine + effects.boundary_layer * math.sqrt(abs(rate)) * rate
     return np.asarray(line * force / sine)
+
+
+def energies(found: Solution) -> Floats:
+    """Return the energy that is there and has been lost, less that supplied, piece by piece."""
+    path = found.path
+    assert isinstance(path, CompliantPath)
+    law = found.problem.effects.compliance
+    assert law is not None
+    equations = CompliantEquations(
+        parameters=found.problem.parameters, effects=found.problem.effects, law=law
+    )
+    return np.array(
+        [
+            equations.energy(piece.start[:, None], piece.mode)[0]
+            + piece.start[DISSIPATED]
+            - piece.start[SUPPLIED]
+            for piece in path.pieces
+        ]
+    )
