@@ -60,9 +60,10 @@ def benchmark(
         registry.engine(name)  # an unknown one is refused before anything is measured
     parts = {
         "the start": start_up_ratios(),
+        # the largest memory of a process counts that of the one that started it: while this is small
+        "whole jobs": whole_job_ratios(),
         "the reference": reference_ratios(),
         "friction": friction_ratios(),
-        "whole jobs": whole_job_ratios(),
         **{name: engine_ratios([name]) for name in chosen},
     }
     efforts = {part: _USUAL.get(part, _USUAL["an engine"]) for part in (*parts, "lean")}
