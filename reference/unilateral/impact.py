@@ -22,7 +22,7 @@ says so.
 """
 
 from dataclasses import dataclass
-from math import atan2, cos, hypot, inf, pi, sin
+from math import atan2, cos, hypot, pi, sin
 
 import numpy as np
 
@@ -111,23 +111,19 @@ def _newton(D: Floats, u: Floats, mu: float, e: float) -> tuple[Floats, Floats] 
     if impulse[NORMAL] >= 0 and hypot(*impulse[:2]) <= mu * impulse[NORMAL]:
         return impulse, target
 
-    def sliding(angle: float) -> Floats:
-        way = push(mu, cos(angle), sin(angle))
-        mobility = float((D @ way)[NORMAL])
-        return np.asarray(way * (-(1 + e) * u[NORMAL] / mobility)) if mobility > 0 else way * inf
-
     def outcome(angle: float) -> tuple[Floats, Floats]:
-        impulse = sliding(angle)
+        way = push(mu, cos(angle), sin(angle))
+        answer = D @ way
+        impulse = way * (closing / answer[NORMAL])
         after = u + D @ impulse
         after[NORMAL] = target[NORMAL]
         return impulse, after
 
+    closing = -(1 + e) * float(u[NORMAL])
     if mu == 0.0:
         return outcome(0.0)
     start = atan2(u[1], u[0])
     # of several answers the one in which the slip turns least
-    angles = sorted(
-        aligned(lambda angle: u + D @ sliding(angle)),
-        key=lambda angle: abs((angle - start + pi) % (2 * pi) - pi),
-    )
-    return outcome(angles[0]) if angles else None
+    angles, _ = aligned(D, u, mu, closing)
+    turned = np.abs((angles - start + pi) % (2 * pi) - pi)
+    return outcome(float(angles[np.argmin(turned)])) if angles.size else None

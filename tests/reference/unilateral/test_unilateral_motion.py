@@ -25,9 +25,17 @@ from reference import (
 from reference.problem.effects import IMPACT_LAWS
 from reference.problem.states import Floats
 from reference.unilateral.free_body import Body
+from tests.support.compiled import needs_numba
 from tests.support.unilateral_energy import energy
 
 LOCUS = frozenset({"contact_locus"})
+BEYOND_KERNELS = ("contour", "film", "contour_damping", "patch", "mu_static")
+
+
+def sliding(effects: Effects) -> Problem:
+    """Return a can that rolls, slides at a friction of 0.2, and does not leave the plane."""
+    can = {"parameters": PAPER_CAN, "phi": 0.4, "psi_dot": 0.6, "theta_dot": -0.3}
+    return Problem(**can, duration=3.0, effects=effects)
 
 
 def balanced(e: float, height: float, duration: float) -> Problem:
@@ -280,3 +288,33 @@ def test_contact_that_is_not_lost_is_the_motion_without_restitution() -> None:
     assert plain.outcome is other.outcome is Outcome.FINISHED
     assert np.array_equal(plain.at(times).psi, other.at(times).psi)
     assert other.impacts == ()
+
+
+@needs_numba
+@pytest.mark.parametrize(
+    "law",
+    [
+        Effects(mu=0.3, contour=0.02),
+        Effects(mu=0.3, film=0.01),
+        Effects(mu=0.3, contour_damping=0.05),
+        Effects(mu=0.3, patch=0.1),
+        Effects(mu=0.2, mu_static=0.5),
+    ],
+)
+def test_a_law_without_a_kernel_goes_by_numpy_also_beside_restitution(law: Effects) -> None:
+    effects = replace(law, restitution=Restitution(coefficient=0.5))
+    plain = solve(sliding(effects))
+    asked = solve(sliding(effects), compiled=True)
+    assert "compiled" not in asked.method
+    assert np.array_equal(asked.at(3.0).psi, plain.at(3.0).psi)
+    without = replace(effects, **{name: getattr(Effects(), name) for name in BEYOND_KERNELS})
+    assert "compiled" in solve(sliding(without), compiled=True).method
+    # the law is not dropped: without it the motion is another
+    assert abs(solve(sliding(without)).at(3.0).psi[0] - plain.at(3.0).psi[0]) > 1e-6
+
+
+def test_static_friction_beside_restitution_holds_the_rim_as_it_does_without() -> None:
+    held = Effects(mu=0.2, mu_static=0.5)
+    both = solve(sliding(replace(held, restitution=Restitution(coefficient=0.5))), outputs=LOCUS)
+    assert both.model == "unilateral"
+    assert np.array_equal(both.at(3.0).psi, solve(sliding(held), outputs=LOCUS).at(3.0).psi)
