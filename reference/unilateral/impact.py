@@ -18,7 +18,7 @@ as `reference.unilateral.impact_process` does. Infinite friction is the limit of
 Newton's law with friction may make energy (Kane's paradox); the energetic law never does, for
 neither the normal impulse nor friction then works more than it takes. An impact whose law would
 make energy, or has no answer inside the cone, is computed by the energetic law with the same e, and
-says so.
+says so; in which of the two cases, `made_energy` tells.
 """
 
 from dataclasses import dataclass
@@ -49,7 +49,8 @@ class Collision:
     law : str
         "newton", "poisson" or "energetic".
     made_energy : bool
-        Whether the declared law would have made energy, so that the energetic law took its place.
+        Whether the declared law would have made energy, so that the energetic law took its place;
+        it does so, too, where Newton's law has no answer, and where a rim jams.
     """
 
     impulse: Floats
@@ -78,13 +79,13 @@ def collide(
         "newton" or "poisson".
     jams : bool
         Whether this is an impact without collision, of a sliding rim whose normal mobility has
-        fallen to zero: its slip is followed until it stops. Newton's law says nothing of it, for
-        its normal velocity is zero; the energetic law takes its place.
+        fallen to zero: its slip is followed until it stops, or the plane lets go. Newton's law says
+        nothing of it, for its normal velocity is zero; the energetic law takes its place.
     """
     size = float(u @ np.linalg.solve(D, u))
     if jams and law == NEWTON:
         law = ENERGETIC
-    answer = None
+    answer, made = None, False
     for name in (law, ENERGETIC):
         newton = name == NEWTON
         answer = _newton(D, u, mu, e) if newton else followed(D, u, mu, e, name, jams=jams)
@@ -94,13 +95,14 @@ def collide(
         lost = -float((u + after) @ impulse) / 2
         if lost >= -ROUNDED * size or name == ENERGETIC:
             break
+        made = True
     assert answer is not None  # noqa: S101 - the energetic law always has one
     return Collision(
         impulse=impulse,
         velocity=after,
         energy_lost=max(lost, 0.0),
         law=name,
-        made_energy=name != law,
+        made_energy=made,
     )
 
 
