@@ -236,8 +236,9 @@ def _turn(
 ) -> bool:
     """Follow a slip that turns; return whether the phase is over, and else the slip has stopped.
 
-    A rim that jams is followed until its normal velocity has a sign, for then the phase may be
-    over. In the logarithm of the slip and its direction, with dp = |u_t| ds, the equations are
+    A rim that jams is followed until its normal velocity has a sign: where it is driven into the
+    plane the phase goes on, and where it rises after it has been below zero, by less than that, the
+    plane has let go. In the logarithm of the slip and its direction, with dp = |u_t| ds, the equations are
     smooth.
     """
     start = hypot(now.velocity[0], now.velocity[1])
@@ -271,8 +272,13 @@ def _turn(
     def driven(_: float, y: Floats) -> float:
         return float(y[3]) + DRIVEN * size
 
+    def let_go(_: float, y: Floats) -> float:
+        return float(y[3]) - DRIVEN * size
+
+    way = push(mu, float(now.velocity[0]) / start, float(now.velocity[1]) / start)
+    sinks = jams and float(D[NORMAL] @ way) < 0.0
     over.terminal, over.direction = True, 1.0  # type: ignore[attr-defined] # scipy's interface
-    driven.terminal = True  # type: ignore[attr-defined]
+    driven.terminal = let_go.terminal = True  # type: ignore[attr-defined]
     stops.terminal = True  # type: ignore[attr-defined]
     begun = [
         np.log(start),
@@ -290,7 +296,7 @@ def _turn(
         method="DOP853",
         rtol=TOLERANCE,
         atol=TOLERANCE * np.array([1.0, 1.0, size, size, size * size, size, size]) / 10,
-        events=(driven if jams else over, stops),
+        events=(driven if jams else over, stops, *([let_go] if sinks else [])),
     )
     y = found.y[:, -1]
     slip = float(np.exp(y[0]))
@@ -300,6 +306,8 @@ def _turn(
     now.work = float(y[4])
     if jams and found.t_events[0].size:
         return False
+    if sinks and found.t_events[2].size:
+        return True
     if found.t_events[0].size:
         if compress:
             now.velocity[NORMAL] = 0.0

@@ -154,3 +154,14 @@ def test_a_rim_that_jams_is_stopped_by_an_impulse() -> None:
     assert struck.impulse[2] > 0
     assert struck.velocity[0] == 0.0
     assert struck.energy_lost > 0
+
+
+def test_the_plane_lets_go_of_a_rim_whose_slip_turns_out_of_a_jam() -> None:
+    # sliding along the first axis its mobility is -1e-8; friction turns it to where that rises
+    D = np.array([[2.0, 0.8, 1.0], [0.8, 1.5, 0.2], [1.0, 0.2, 1.2 - 1e-8]])
+    struck = collide(D, np.array([1.0, 0.0, 0.0]), 1.2, 0.0, "newton", jams=True)
+    assert struck.law == "energetic"
+    assert not struck.made_energy
+    assert 0 < struck.impulse[2] < 1e-4
+    assert 0 <= struck.velocity[2] < 1e-9
+    assert struck.velocity[0] == pytest.approx(1.0, abs=1e-3)
