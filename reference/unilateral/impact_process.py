@@ -11,6 +11,7 @@ with p = 0. Mostly it stops before p is anything; an impact whose slip lifts the
 plane before that is over while it still slides, and its restitution is measured by q.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import atan2, cos, hypot, inf, isinf, sin, sqrt
 
@@ -224,26 +225,9 @@ def _from_rest(D: Floats, mu: float) -> Floats:
     return push(mu, cos(angle), sin(angle))
 
 
-def _turn(
-    D: Floats,
-    mu: float,
-    now: _Progress,
-    *,
-    compress: bool,
-    most: float,
-    work: float,
-    jams: bool,
-) -> bool:
-    """Follow a slip that turns; return whether the phase is over, and else the slip has stopped.
-
-    A rim that jams is followed until its normal velocity has a sign: where it is driven into the
-    plane the phase goes on, and where it rises after it has been below zero, by less than that, the
-    plane has let go. In the logarithm of the slip and its direction, with dp = |u_t| ds, the equations are
-    smooth.
-    """
-    start = hypot(now.velocity[0], now.velocity[1])
-    size = max(float(np.abs(now.velocity).max()), start)
-    limit, rubs = STOPPED * size / 2, 1.0 if isinf(mu) else mu
+def _rates(D: Floats, mu: float) -> Callable[[float, Floats], list[float]]:
+    """Return the rates of a slip that turns, in the logarithm of the slip and its direction."""
+    rubs = 1.0 if isinf(mu) else mu
 
     def rates(_: float, y: Floats) -> list[float]:
         # a trial step may go far astray before it is refused
@@ -258,6 +242,30 @@ def _turn(
             -slip * rubs * c,
             -slip * rubs * s,
         ]
+
+    return rates
+
+
+def _turn(
+    D: Floats,
+    mu: float,
+    now: _Progress,
+    *,
+    compress: bool,
+    most: float,
+    work: float,
+    jams: bool,
+) -> bool:
+    """Follow a slip that turns; return whether the phase is over, and else the slip has stopped.
+
+    A rim that jams is followed until its normal velocity has a sign: where it is driven into the
+    plane the phase goes on, and where it rises after it has been below zero, by less than that, the
+    plane has let go. In the logarithm of the slip and its direction, with dp = |u_t| ds, the
+    equations are smooth.
+    """
+    start = hypot(now.velocity[0], now.velocity[1])
+    size = max(float(np.abs(now.velocity).max()), start)
+    limit = STOPPED * size / 2
 
     def over(_: float, y: Floats) -> float:
         if compress:
@@ -290,7 +298,7 @@ def _turn(
         float(now.impulse[1]),
     ]
     found = scipy.integrate.solve_ivp(
-        rates,
+        _rates(D, mu),
         (0.0, 1e6 / float(np.abs(D).max())),
         begun,
         method="DOP853",

@@ -33,8 +33,14 @@ BEYOND_KERNELS = ("contour", "film", "contour_damping", "patch", "mu_static")
 
 def sliding(effects: Effects) -> Problem:
     """Return a can that rolls, slides at a friction of 0.2, and does not leave the plane."""
-    can = {"parameters": PAPER_CAN, "phi": 0.4, "psi_dot": 0.6, "theta_dot": -0.3}
-    return Problem(**can, duration=3.0, effects=effects)
+    return Problem(
+        parameters=PAPER_CAN,
+        phi=0.4,
+        psi_dot=0.6,
+        theta_dot=-0.3,
+        duration=3.0,
+        effects=effects,
+    )
 
 
 def balanced(e: float, height: float, duration: float) -> Problem:
@@ -120,20 +126,26 @@ ON_THE_PLANE = replace(
 )
 
 
+def two_bodies(problem: Problem) -> tuple[float, Floats, Floats]:
+    """Return mass, centre and inertia of can and point mass, by Steiner's theorem for each."""
+    p, added = problem.parameters, problem.effects.mass
+    mass, centre, inertia = 1.0, np.zeros(3), np.diag([p.a, p.a, p.c])
+    if added is not None:
+        mass, place = 1 + added.share, np.array([added.x, added.y, added.z])
+        centre = added.share * place / mass
+        for share, r in ((1.0, -centre), (added.share, place - centre)):
+            inertia = inertia + share * (np.eye(3) * (r @ r) - np.outer(r, r))
+    return mass, centre, inertia
+
+
 def rival(problem: Problem, impacts: int) -> tuple[list[float], list[float], Floats]:
     """Return times and normal impulses of the first impacts, and the last state before one.
 
     A quaternion, the centre of mass and their rates, by DOP853; the rim is a circle of points; the
     impact law is solved by iteration.
     """
-    p, e, added = problem.parameters, problem.effects, problem.effects.mass
-    mass, centre, inertia = 1.0, np.zeros(3), np.diag([p.a, p.a, p.c])
-    if added is not None:
-        # two bodies about their common centre, by Steiner's theorem for each
-        mass, place = 1 + added.share, np.array([added.x, added.y, added.z])
-        centre = added.share * place / mass
-        for share, r in ((1.0, -centre), (added.share, place - centre)):
-            inertia = inertia + share * (np.eye(3) * (r @ r) - np.outer(r, r))
+    p, e = problem.parameters, problem.effects
+    mass, centre, inertia = two_bodies(problem)
     inverse = np.linalg.inv(inertia)
 
     def lowest(frame: Floats) -> Floats:
