@@ -277,16 +277,14 @@ def _turn(
     def stops(_: float, y: Floats) -> float:
         return float(y[0] - np.log(limit))
 
-    def driven(_: float, y: Floats) -> float:
-        return float(y[3]) + DRIVEN * size
-
-    def let_go(_: float, y: Floats) -> float:
-        return float(y[3]) - DRIVEN * size
+    def decided(_: float, y: Floats) -> float:
+        # into the plane, or out of it after it has been below zero
+        return float(abs(y[3]) if sinks else -y[3]) - DRIVEN * size
 
     way = push(mu, float(now.velocity[0]) / start, float(now.velocity[1]) / start)
     sinks = jams and float(D[NORMAL] @ way) < 0.0
     over.terminal, over.direction = True, 1.0  # type: ignore[attr-defined] # scipy's interface
-    driven.terminal = let_go.terminal = True  # type: ignore[attr-defined]
+    decided.terminal = True  # type: ignore[attr-defined]
     stops.terminal = True  # type: ignore[attr-defined]
     begun = [
         np.log(start),
@@ -304,7 +302,7 @@ def _turn(
         method="DOP853",
         rtol=TOLERANCE,
         atol=TOLERANCE * np.array([1.0, 1.0, size, size, size * size, size, size]) / 10,
-        events=(driven if jams else over, stops, *([let_go] if sinks else [])),
+        events=(decided if jams else over, stops),
     )
     y = found.y[:, -1]
     slip = float(np.exp(y[0]))
@@ -313,9 +311,7 @@ def _turn(
     now.velocity = np.array([slip * cos(y[1]), slip * sin(y[1]), y[3]])
     now.work = float(y[4])
     if jams and found.t_events[0].size:
-        return False
-    if sinks and found.t_events[2].size:
-        return True
+        return float(y[3]) > 0.0
     if found.t_events[0].size:
         if compress:
             now.velocity[NORMAL] = 0.0
