@@ -144,7 +144,9 @@ class Restitution:
 
     modelling_choice: ClassVar[str] = (
         "An impact gives back the same share of the normal velocity (Newton's law) or of the "
-        "normal impulse (Poisson's law) however fast it is."
+        "normal impulse (Poisson's law) however fast it is. Static friction has no part in an "
+        "impact. A patch of contact acts in it as a point. Contour friction gives no impulse. "
+        "Films of air and contour friction end in flight."
     )
 
     coefficient: float

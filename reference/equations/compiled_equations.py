@@ -53,8 +53,10 @@ class CompiledEquations:
         The same in numpy.
     constants : ndarray, shape (21,)
         The can and its effects, in the order in which the kernels take them.
-    mu, drilling, resistance : float
-    bilateral_normal : bool
+    mu, mu_static, contour, drilling, resistance : float
+    fluid, bilateral_normal : bool
+        Of the equations in numpy, as all of these coefficients are; no kernel carries a `mu_static`
+        beside `mu`, a contour friction or a fluid.
     """
 
     plain: Equations

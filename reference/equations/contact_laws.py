@@ -46,7 +46,9 @@ class Impact:
     energy_lost : float
         In m g R, not negative.
     law : str
-        "newton", "poisson", or "energetic" where the declared law would have made energy.
+        "newton", "poisson", or "energetic" where the declared law would have made energy, where
+        Newton's has no answer inside the cone of friction, and where a sliding rim jams and
+        Newton's, which is of the normal velocity alone, is silent.
     made_energy : bool
         Whether the declared law would have made energy (Kane's paradox).
     ends_at : float or None
@@ -173,9 +175,8 @@ class Equations(Protocol):
         That of the ideal can is, to which nothing is declared: rolling without slipping is the
         paper's problem, a constraint that takes the force it needs, and where that is a pull a
         finding says so (`reference.analysis.validity`). A can with any effect is a real one, on a
-        plane that
-        only pushes: its contact is unilateral, whatever the effect and however small, and where the
-        normal force reaches zero the motion ends as lifted, in every mode and model.
+        plane that only pushes: its contact is unilateral, whatever the effect and however small,
+        and where the normal force reaches zero the motion ends as lifted, in every mode and model.
         """
         ...
 

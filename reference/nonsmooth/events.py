@@ -32,6 +32,9 @@ FLAT_AND_PUSHED = -60.0
 # fall, is held: what that takes is below the round-off of the energy, and the stiffness of a film,
 # which grows as 1/phi^2 as does what it makes of a round-off, is not followed to the end.
 STOPPED_BY_FLUID = 1e-13
+# And whatever the speed of its fall: a boundary layer, whose moment goes with |theta'|^(3/2), never
+# quite stops the point. The energy of this is 1e-30.
+HARDLY_RUNS = 1e-15
 # Of the fall of a parabola below three places: where these are less far from zero it is followed.
 NEAR_ZERO = 4.0
 # Share of a piece after which what begins with it has a direction.
@@ -243,7 +246,12 @@ def _along_the_rim(mode: Mode, equations: Equations) -> dict[EventKind, Margin]:
 
 def _to_landing(y: Floats) -> Floats:
     """Return the margin to where a can falls flat and fluid has stopped its contact point."""
-    return np.asarray(np.maximum(y[LEAN] - LANDING, np.abs(rotation(y)) - STOPPED_BY_FLUID * y[W2]))
+    return np.asarray(np.maximum(y[LEAN] - LANDING, np.abs(rotation(y)) - hardly_runs(y[W2])))
+
+
+def hardly_runs(falls: Floats) -> Floats:
+    """Return the speed along the rim that fluid has stopped, of a can that falls, shape (n,)."""
+    return np.maximum(STOPPED_BY_FLUID * falls, HARDLY_RUNS)
 
 
 def _dips(

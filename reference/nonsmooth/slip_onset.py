@@ -219,7 +219,7 @@ def _growing(
     """
     steps = np.arange(SAMPLES) / SAMPLES
     _, across, contact = _yielding(equations, y, mode, rest, ASIDE + 2 * np.pi * steps)
-    angles = ASIDE + _roots(across)
+    angles = ASIDE + roots_on_circle(across)
     # the same for every direction, but for round-off
     pulls = np.sort(contact.force[2] * contact.normal_mobility)
     falls = bool(pulls[SAMPLES // 2 - 1] + pulls[SAMPLES // 2] > 0)
@@ -246,7 +246,7 @@ def _yielding(
     return a1 * cos + a2 * sin, a2 * cos - a1 * sin, contact
 
 
-def _roots(values: Floats) -> Floats:
+def roots_on_circle(values: Floats) -> Floats:
     """Return the zeros of a trigonometric polynomial of degree two, increasing.
 
     Parameters

@@ -37,7 +37,7 @@ from reference.equations.state_vector import (
     Angles,
     rotation,
 )
-from reference.nonsmooth.events import STOPPED_BY_FLUID, EventKind
+from reference.nonsmooth.events import EventKind, hardly_runs
 from reference.nonsmooth.level_spin import level_turning, stands, with_level
 from reference.nonsmooth.patch_onset import growth, moving, patch_onset, rim_of, with_turning
 from reference.nonsmooth.radau_iia import integrator
@@ -118,7 +118,7 @@ def begin_on_rim(equations: Equations, y: Floats) -> tuple[Floats, ModeTransitio
     if equations.fluid and y[LEAN] < LANDING:
         # fluid below a can that all but lies on its face holds its contact point
         y = _stopped_by_fluid(equations, y, mode)
-        if abs(float(rotation(y[:, None])[0])) <= STOPPED_BY_FLUID * abs(y[W2]):
+        if abs(float(rotation(y[:, None])[0])) <= hardly_runs(np.abs(y[W2])):
             return land(equations, y, mode)
     if equations.resistance and stands(y[:, None])[0]:
         y, mode = at_rest(y, mode)

@@ -162,6 +162,9 @@ IMPACT_LAWS = ("newton", "poisson")
 class Restitution:
     """What an impact gives back (`reference.unilateral.impact`).
 
+    Modelling choices: `mu_static` has no part in an impact; a patch acts in it as a point; contour
+    friction gives no impulse; films of air and contour friction end in flight.
+
     Parameters
     ----------
     coefficient : float

@@ -175,7 +175,8 @@ class Flight:
         if shaken.any():
             rate = gravity.rate
             wave, half, mean = np.sin(start + rate * s), rate * s / 2, start + rate * s / 2
-            # integrals of the sine and the cosine, which subtract nothing
+            # integrals of the sine and the cosine, without a difference; with drag, and of `move`,
+            # differences are taken, whose round-off is that of 1/rate^2, not of the way
             sines = s * np.sinc(half / np.pi) * np.sin(mean)
             cosines = s * np.sinc(half / np.pi) * np.cos(mean)
             size = drag * drag + rate * rate

@@ -10,6 +10,7 @@ from math import atan2, hypot, pi
 
 import numpy as np
 
+from reference.equations.rigid_body import body_of
 from reference.equations.state_vector import (
     DISSIPATED,
     LEAN,
@@ -54,14 +55,13 @@ class Body:
     @classmethod
     def of(cls, parameters: Parameters, effects: Effects) -> "Body":
         """Return the body of a can and its effects."""
-        p, added = parameters, effects.mass
-        mass, centre, inertia = 1.0, np.zeros(3), np.diag([p.a, p.a, p.c])
-        if added is not None:
-            place, share = np.array([added.x, added.y, added.z]), added.share / (1 + added.share)
-            square = np.eye(3) * (place @ place) - np.outer(place, place)
-            mass, centre, inertia = 1 + added.share, share * place, inertia + share * square
+        mass, centre, inertia = body_of(parameters, effects, np.zeros(1))
         return cls(
-            parameters=parameters, effects=effects, mass=mass, centre=centre, inertia=inertia
+            parameters=parameters,
+            effects=effects,
+            mass=mass,
+            centre=centre[:, 0],
+            inertia=inertia[..., 0],
         )
 
     def lowest(self, axis: Floats) -> Floats:
@@ -211,12 +211,6 @@ def rising(launch: Launch, body: Body) -> float:
     """Return the vertical velocity of the lowest point of the rim."""
     offset = body.lowest(launch.frame[:, 2][None])[0] - launch.frame @ body.centre
     return float((launch.velocity + np.cross(launch.turning, offset))[2])
-
-
-def kinetic_energy(launch: Launch, body: Body) -> float:
-    """Return the kinetic energy of a free can, in m g R."""
-    w = launch.frame.T @ launch.turning
-    return float(body.mass * launch.velocity @ launch.velocity + w @ body.inertia @ w) / 2
 
 
 def moves_in_a_plane(problem: Problem) -> bool:

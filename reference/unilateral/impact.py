@@ -18,11 +18,11 @@ as `reference.unilateral.impact_process` does. Infinite friction is the limit of
 Newton's law with friction may make energy (Kane's paradox); the energetic law never does, for
 neither the normal impulse nor friction then works more than it takes. An impact whose law would
 make energy, or has no answer inside the cone, is computed by the energetic law with the same e, and
-says so.
+says so; in which of the two cases, `made_energy` tells.
 """
 
 from dataclasses import dataclass
-from math import atan2, cos, hypot, inf, pi, sin
+from math import atan2, cos, hypot, pi, sin
 
 import numpy as np
 
@@ -49,7 +49,8 @@ class Collision:
     law : str
         "newton", "poisson" or "energetic".
     made_energy : bool
-        Whether the declared law would have made energy, so that the energetic law took its place.
+        Whether the declared law would have made energy, so that the energetic law took its place;
+        it does so, too, where Newton's law has no answer, and where a rim jams.
     """
 
     impulse: Floats
@@ -78,13 +79,13 @@ def collide(
         "newton" or "poisson".
     jams : bool
         Whether this is an impact without collision, of a sliding rim whose normal mobility has
-        fallen to zero: its slip is followed until it stops. Newton's law says nothing of it, for
-        its normal velocity is zero; the energetic law takes its place.
+        fallen to zero: its slip is followed until it stops, or the plane lets go. Newton's law says
+        nothing of it, for its normal velocity is zero; the energetic law takes its place.
     """
     size = float(u @ np.linalg.solve(D, u))
     if jams and law == NEWTON:
         law = ENERGETIC
-    answer = None
+    answer, made = None, False
     for name in (law, ENERGETIC):
         newton = name == NEWTON
         answer = _newton(D, u, mu, e) if newton else followed(D, u, mu, e, name, jams=jams)
@@ -94,13 +95,14 @@ def collide(
         lost = -float((u + after) @ impulse) / 2
         if lost >= -ROUNDED * size or name == ENERGETIC:
             break
+        made = True
     assert answer is not None  # noqa: S101 - the energetic law always has one
     return Collision(
         impulse=impulse,
         velocity=after,
         energy_lost=max(lost, 0.0),
         law=name,
-        made_energy=name != law,
+        made_energy=made,
     )
 
 
@@ -111,23 +113,19 @@ def _newton(D: Floats, u: Floats, mu: float, e: float) -> tuple[Floats, Floats] 
     if impulse[NORMAL] >= 0 and hypot(*impulse[:2]) <= mu * impulse[NORMAL]:
         return impulse, target
 
-    def sliding(angle: float) -> Floats:
-        way = push(mu, cos(angle), sin(angle))
-        mobility = float((D @ way)[NORMAL])
-        return np.asarray(way * (-(1 + e) * u[NORMAL] / mobility)) if mobility > 0 else way * inf
-
     def outcome(angle: float) -> tuple[Floats, Floats]:
-        impulse = sliding(angle)
+        way = push(mu, cos(angle), sin(angle))
+        answer = D @ way
+        impulse = way * (closing / answer[NORMAL])
         after = u + D @ impulse
         after[NORMAL] = target[NORMAL]
         return impulse, after
 
+    closing = -(1 + e) * float(u[NORMAL])
     if mu == 0.0:
         return outcome(0.0)
     start = atan2(u[1], u[0])
     # of several answers the one in which the slip turns least
-    angles = sorted(
-        aligned(lambda angle: u + D @ sliding(angle)),
-        key=lambda angle: abs((angle - start + pi) % (2 * pi) - pi),
-    )
-    return outcome(angles[0]) if angles else None
+    angles, _ = aligned(D, u, mu, closing)
+    turned = np.abs((angles - start + pi) % (2 * pi) - pi)
+    return outcome(float(angles[np.argmin(turned)])) if angles.size else None

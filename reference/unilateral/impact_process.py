@@ -13,12 +13,12 @@ plane before that is over while it still slides, and its restitution is measured
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
-from math import atan2, cos, hypot, inf, isfinite, isinf, pi, sin, sqrt
+from math import atan2, cos, hypot, inf, isinf, sin, sqrt
 
 import numpy as np
 import scipy
 
+from reference.nonsmooth.slip_onset import SAMPLES, roots_on_circle
 from reference.problem.states import Floats
 
 POISSON, ENERGETIC = "poisson", "energetic"
@@ -26,10 +26,6 @@ POISSON, ENERGETIC = "poisson", "energetic"
 STOPPED = 1e-14
 # Of an acceleration: its round-off.
 HELD = 1e-12
-# Directions among which that of the last slip is looked for.
-DIRECTIONS = 72
-# Of a motion in a plane that direction is a whole multiple of pi: none of the samples is.
-ASIDE = 0.01
 TOLERANCE = 1e-13
 # Of the velocities: the normal velocity at which a rim that jams is driven into the plane.
 DRIVEN = 1e-10
@@ -47,25 +43,31 @@ def push(mu: float, ahead: float, aside: float) -> Floats:
     return np.array([-mu * ahead, -mu * aside, 1.0])
 
 
-def aligned(velocity: Callable[[float], Floats]) -> list[float]:
-    """Return the angles of a slip whose friction leaves it a velocity along that slip."""
+def aligned(D: Floats, u: Floats, mu: float, closing: float) -> tuple[Floats, Floats]:
+    """Return the slips that the friction against them leaves a velocity along themselves.
 
-    def aside(angle: float) -> float:
-        v = velocity(angle)
-        return float(v[1] * cos(angle) - v[0] * sin(angle))
+    Of the velocity u + closing D w/G, w the impulse of such a slip and G = (D w)_z. Times G, which
+    has no pole, what of it is across the slip is a trigonometric polynomial of degree two in the
+    angle of the slip: all of its roots are found.
 
-    angles = (np.linspace(-pi, pi, DIRECTIONS + 1) + ASIDE).tolist()
-    with np.errstate(invalid="ignore"):
-        values = [aside(angle) for angle in angles]
-    found = []
-    for pair, ends in zip(pairwise(angles), pairwise(values), strict=True):
-        if not isfinite(ends[0] * ends[1]) or ends[0] * ends[1] >= 0:
-            continue
-        root = float(scipy.optimize.brentq(aside, *pair, xtol=1e-15, rtol=1e-15))
-        v = velocity(root)
-        if v[0] * cos(root) + v[1] * sin(root) > 0:
-            found.append(root)
-    return found
+    Returns
+    -------
+    angles, along : ndarray, shape (n,)
+        Of the slips with G > 0, and G times the velocity along each.
+    """
+
+    def velocity(angles: Floats) -> tuple[Floats, Floats, Floats]:
+        cos, sin = np.cos(angles), np.sin(angles)
+        answer = D @ np.array([push(mu, c, s) for c, s in zip(cos, sin, strict=True)]).T
+        v = u[:, None] * answer[NORMAL] + closing * answer
+        return v[0] * cos + v[1] * sin, v[1] * cos - v[0] * sin, answer[NORMAL]
+
+    angles = roots_on_circle(velocity(2 * np.pi * np.arange(SAMPLES) / SAMPLES)[1])
+    if not angles.size:
+        return angles, angles
+    along, _, mobility = velocity(angles)
+    good = (along > 0.0) & (mobility > 0.0)
+    return angles[good], along[good]
 
 
 @dataclass(slots=True)
@@ -215,40 +217,17 @@ def _from_rest(D: Floats, mu: float) -> Floats:
     if hypot(*hold[:2]) <= mu:
         return hold
 
-    def sliding(angle: float) -> Floats:
-        return push(mu, cos(angle), sin(angle))
-
     # the slip that begins keeps its direction, along what friction leaves of its acceleration
-    angles = aligned(lambda angle: np.asarray(D @ sliding(angle)))
-    if not angles:
+    angles, along = aligned(D, np.zeros(3), mu, 1.0)
+    if not angles.size:
         return hold
-
-    def ahead(angle: float) -> float:
-        answer = D @ sliding(angle)
-        return float(answer[0] * cos(angle) + answer[1] * sin(angle))
-
-    return sliding(max(angles, key=ahead))
+    angle = float(angles[np.argmax(along)])
+    return push(mu, cos(angle), sin(angle))
 
 
-def _turn(
-    D: Floats,
-    mu: float,
-    now: _Progress,
-    *,
-    compress: bool,
-    most: float,
-    work: float,
-    jams: bool,
-) -> bool:
-    """Follow a slip that turns; return whether the phase is over, and else the slip has stopped.
-
-    A rim that jams is followed until its normal velocity has a sign, for then the phase may be
-    over. In the logarithm of the slip and its direction, with dp = |u_t| ds, the equations are
-    smooth.
-    """
-    start = hypot(now.velocity[0], now.velocity[1])
-    size = max(float(np.abs(now.velocity).max()), start)
-    limit, rubs = STOPPED * size / 2, 1.0 if isinf(mu) else mu
+def _rates(D: Floats, mu: float) -> Callable[[float, Floats], list[float]]:
+    """Return the rates of a slip that turns, in the logarithm of the slip and its direction."""
+    rubs = 1.0 if isinf(mu) else mu
 
     def rates(_: float, y: Floats) -> list[float]:
         # a trial step may go far astray before it is refused
@@ -264,6 +243,30 @@ def _turn(
             -slip * rubs * s,
         ]
 
+    return rates
+
+
+def _turn(
+    D: Floats,
+    mu: float,
+    now: _Progress,
+    *,
+    compress: bool,
+    most: float,
+    work: float,
+    jams: bool,
+) -> bool:
+    """Follow a slip that turns; return whether the phase is over, and else the slip has stopped.
+
+    A rim that jams is followed until its normal velocity has a sign: where it is driven into the
+    plane the phase goes on, and where it rises after it has been below zero, by less than that, the
+    plane has let go. In the logarithm of the slip and its direction, with dp = |u_t| ds, the
+    equations are smooth.
+    """
+    start = hypot(now.velocity[0], now.velocity[1])
+    size = max(float(np.abs(now.velocity).max()), start)
+    limit = STOPPED * size / 2
+
     def over(_: float, y: Floats) -> float:
         if compress:
             return float(y[3])
@@ -274,11 +277,14 @@ def _turn(
     def stops(_: float, y: Floats) -> float:
         return float(y[0] - np.log(limit))
 
-    def driven(_: float, y: Floats) -> float:
-        return float(y[3]) + DRIVEN * size
+    def decided(_: float, y: Floats) -> float:
+        # into the plane, or out of it after it has been below zero
+        return float(abs(y[3]) if sinks else -y[3]) - DRIVEN * size
 
+    way = push(mu, float(now.velocity[0]) / start, float(now.velocity[1]) / start)
+    sinks = jams and float(D[NORMAL] @ way) < 0.0
     over.terminal, over.direction = True, 1.0  # type: ignore[attr-defined] # scipy's interface
-    driven.terminal = True  # type: ignore[attr-defined]
+    decided.terminal = True  # type: ignore[attr-defined]
     stops.terminal = True  # type: ignore[attr-defined]
     begun = [
         np.log(start),
@@ -290,13 +296,13 @@ def _turn(
         float(now.impulse[1]),
     ]
     found = scipy.integrate.solve_ivp(
-        rates,
+        _rates(D, mu),
         (0.0, 1e6 / float(np.abs(D).max())),
         begun,
         method="DOP853",
         rtol=TOLERANCE,
         atol=TOLERANCE * np.array([1.0, 1.0, size, size, size * size, size, size]) / 10,
-        events=(driven if jams else over, stops),
+        events=(decided if jams else over, stops),
     )
     y = found.y[:, -1]
     slip = float(np.exp(y[0]))
@@ -305,7 +311,7 @@ def _turn(
     now.velocity = np.array([slip * cos(y[1]), slip * sin(y[1]), y[3]])
     now.work = float(y[4])
     if jams and found.t_events[0].size:
-        return False
+        return float(y[3]) > 0.0
     if found.t_events[0].size:
         if compress:
             now.velocity[NORMAL] = 0.0

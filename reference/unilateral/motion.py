@@ -108,8 +108,8 @@ class UnilateralMotion:
     ----------
     problem : Problem
     compiled : bool
-        Whether compiled code integrates the motion on the rim: as asked for, but for a can that
-        slides in a plane.
+        Whether compiled code integrates the motion on the rim: as asked for, but for a law that no
+        kernel carries, and for a can that slides in a plane.
     impacts : list of Impact
         So far.
     """
@@ -141,10 +141,11 @@ class UnilateralMotion:
         plain: Equations = self._general
         if set(e.declared()) <= {"slip", "restitution"}:
             mu = np.inf if e.mu is None else e.mu
-            plain = CoulombEquations(parameters=p, mu=mu, only_pushes=True)
-        if self._planar and e.mu:
-            # compiled sums of the general can leave a slip in the plane a round-off beside it
-            self.compiled = False
+            plain = CoulombEquations(parameters=p, mu=mu, only_pushes=True, static=e.mu_static)
+        # compiled sums of the general can leave a slip in the plane a round-off beside it
+        leaves = self._planar and bool(e.mu)
+        known = CompiledEquations.know(replace(e, restitution=None))
+        self.compiled = self.compiled and known and not leaves
         self._equations = CompiledEquations.of(plain, self.problem) if self.compiled else plain
 
     def run(self) -> Run:

@@ -13,9 +13,16 @@ from reference.problem.states import Floats, Snapshot, States
 from reference.unilateral.flight import Flight, FreeStates
 from reference.unilateral.free_body import Launch
 
-# Nodes of a flight for each time in which it turns by a radian: angles count turns between them.
+# Nodes of a flight for each time in which it turns by a radian, and more near the vertical: turns
+# are counted between them.
 A_RADIAN = 8
 FEWEST = 17
+# Of the distance of the axis from the vertical: the way of the axis within half of an interval, in
+# which psi then changes by less than pi/4, and psi + theta of a can upside down by less than pi/2.
+AWAY = 0.35
+# Of the axis, and how often an interval is halved: round-off.
+UNMOVED = 1e-15
+HALVINGS = 60
 # Nodes of the quadrature of works, for each radian.
 QUADRATURE = 24
 
@@ -27,9 +34,7 @@ class FlightPath:
         self.flight, self.duration = flight, duration
         self.start, self.t_end = flight.launch.time, flight.launch.time + duration
         self._locus = locus
-        count = max(FEWEST, int(A_RADIAN * duration * flight.rates()) + 2)
-        self._after = np.linspace(0.0, duration, count)
-        frames = flight.at(self._after).frame
+        self._after, frames = _counted(flight, duration)
         psi, total = _angles(frames)
         psi[0], total[0] = flight.launch.psi, flight.launch.total
         self._psi, self._total = np.unwrap(psi), np.unwrap(total)
@@ -195,6 +200,31 @@ class UnilateralPath:
             own = number == part
             out[own] = self.parts[part].lost(times[own])
         return out
+
+
+def _counted(flight: Flight, duration: float) -> tuple[Floats, Floats]:
+    """Return times after the launch, shape (n,), between which turns are counted, and the axes.
+
+    However near the vertical the axis passes: the axis moves at the speed |e'|, and psi changes by
+    less than the arcsine of its way over its horizontal length.
+    """
+    count = max(FEWEST, int(A_RADIAN * duration * flight.rates()) + 2)
+    after: Floats = np.linspace(0.0, duration, count)
+    free = flight.at(after)
+    for _ in range(HALVINGS):
+        e, length = free.frame[:, :, 2], np.diff(after)
+        first = np.cross(free.turning, e)
+        second = np.cross(free.turning_rate, e) + np.cross(free.turning, first)
+        S, speed = np.hypot(e[:, 0], e[:, 1]), np.linalg.norm(first, axis=1)
+        bend = np.linalg.norm(second, axis=1)
+        fastest = np.maximum(speed[:-1], speed[1:]) + length * np.maximum(bend[:-1], bend[1:])
+        apart = np.maximum(AWAY * np.minimum(S[:-1], S[1:]), UNMOVED)
+        wide = fastest * length / 2 > apart
+        if not wide.any():
+            break
+        after = np.sort(np.append(after, after[:-1][wide] + length[wide] / 2))
+        free = flight.at(after)
+    return after, free.frame
 
 
 def _angles(frames: Floats) -> tuple[Floats, Floats]:

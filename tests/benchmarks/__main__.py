@@ -60,7 +60,7 @@ def benchmark(
         registry.engine(name)  # an unknown one is refused before anything is measured
     parts = {
         "the start": start_up_ratios(),
-        # the largest memory of a process counts that of the one that started it: while this is small
+        # first: the largest memory of a process counts that of the one that started it
         "whole jobs": whole_job_ratios(),
         "the reference": reference_ratios(),
         "friction": friction_ratios(),
