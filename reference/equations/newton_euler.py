@@ -60,6 +60,7 @@ from reference.problem.states import Floats
 
 # Components of (w', u') and of (Q, F) along (cos psi, sin psi, 0), (-sin psi, cos psi, 0), z.
 ROLLING_1, ROLLING_2, TURNING_Z, SLIP_1, SLIP_2, NORMAL = range(6)
+NO_MOBILITY = 1e-100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -362,6 +363,10 @@ class GeneralEquations:
             normal_mobility = normal_mobility - np.einsum(
                 "ni,ni->n", mobility[:, NORMAL][:, rows], others[..., 0]
             )
+        # of a mobility that is zero to the last bit the force has no bound
+        none = np.where(normal_mobility == 0.0, NO_MOBILITY, 0.0)
+        normal_mobility = normal_mobility + none
+        matrix[:, -1, -1] += none
         share = np.linalg.solve(matrix, -start[held].T[..., None])[..., 0].T
         wrench = law * share[-1]
         for row, index in enumerate(held[:-1]):

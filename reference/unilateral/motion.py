@@ -121,6 +121,7 @@ class UnilateralMotion:
     _starts: list[float] = field(default_factory=list)
     _phases: list[Phase] = field(default_factory=list)
     _evaluations: int = 0
+    _slides_from: float = -np.inf
     _steps: int = 0
     _watch: ExtremumRecorder = field(init=False)
     _body: Body = field(init=False)
@@ -246,12 +247,14 @@ class UnilateralMotion:
 
     def _lift(self, y: Floats, how: How | None) -> Onward | None:
         """Leave the plane, or slide on it where the free rim would fall into it."""
-        held = np.isinf(self._equations.mu) and not y[SLIP].any()
-        if held and acceleration(self._body, y, 0.0) < -STILL * 1e3:
+        held, time = np.isinf(self._equations.mu) and not y[SLIP].any(), float(y[TIME])
+        falls = acceleration(self._body, y, 0.0)
+        if held and falls < -STILL * 1e3 and (how is not None or time != self._slides_from):
+            self._slides_from = time if how is How.HELD else self._slides_from
             return Onward(y, how=How.HELD if how is None else How.SLIDES)
-        if self._general.fluid and acceleration(self._body, y, 0.0) < -FALLS:
+        if self._general.fluid and falls < -FALLS:
             # a moment that only a rim on the plane has keeps it from falling into the plane
-            self._watch.end(float(y[TIME]), Outcome.INCONSISTENT)
+            self._watch.end(time, Outcome.INCONSISTENT)
             return None
         return self._fly(y, 0.0, lifted=True)
 
@@ -270,14 +273,11 @@ class UnilateralMotion:
             path = FlightPath(flight, cut, locus=True)
         self._evaluations += NODES * (1 + int(path.duration * flight.rates()))
         self._steps += 1
-        phase = Phase(kind=Kind.FLIGHT, start=launch.time, end=path.t_end)
-        self._add(path, launch.time, [phase])
+        self._add(path, launch.time, [Phase(kind=Kind.FLIGHT, start=launch.time, end=path.t_end)])
         if met is None:
             self._watch.end(path.t_end, Outcome.FINISHED)
         elif not met.lower:
             self._watch.end(path.t_end, Outcome.OVERTURNED)
-        if self._watch.ended():
-            return None
         self._watch.advance(path.t_end, path.snapshot(path.duration).phi)
         if self._watch.ended():
             return None

@@ -1,6 +1,6 @@
 """Random cans with random effects that leave the plane and land: none fails, and none makes energy.
 
-Forty run always; a thousand are slow, but for two that are named below. Every law of the contact is
+Forty run always, a hundred are slow, and a thousand have a command. Every law of the contact is
 drawn beside restitution: finite and infinite friction, static above kinetic, a patch, drilling,
 rolling resistance, contour friction, films of air.
 """
@@ -17,10 +17,6 @@ from tests.support.unilateral_energy import energy
 ROUNDED = 1e-9
 # Of the energy: what a film below a can that all but lies on its face leaves of it.
 BALANCED = 1e-9
-# Scenes that are not mended. 1100: the matrix of the sliding rim is singular. 1252: a rim that
-# contour damping and a boundary layer slow is lifted, flies for no time and is held, again and
-# again.
-OPEN = frozenset({1100, 1252})
 CAME_OUT = {
     Outcome.FINISHED,
     Outcome.OVERTURNED,
@@ -120,6 +116,6 @@ def test_a_random_scene_comes_out(seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", sorted({*range(1005, 2000, 10)} - OPEN))
+@pytest.mark.parametrize("seed", [1100, 1252, 1387, 1406, *range(1005, 2000, 10)])
 def test_another_random_scene_comes_out(seed: int) -> None:
     check(seed)
