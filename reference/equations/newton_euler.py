@@ -338,17 +338,17 @@ class GeneralEquations:
         return start, mobility_of(inverse, here, at)
 
     def _contact(self, mode: Mode, here: Setting, law: Floats) -> Contact:
-        at, w = here.at, here.turning
+        at, w, on_rim = here.at, here.turning, self._held_on_rim(mode)
         start, mobility = self._free(here, mode)
         held = [NORMAL]
         if not mode.slips:
             held = [SLIP_1, SLIP_2, NORMAL]
         if self._held_about_normal(mode):
             held = [TURNING_Z, *held]
-        held = [ROLLING_1, *held] if self._held_on_rim(mode) and not mode.rests else held
+        held = [ROLLING_1, *held] if on_rim and not mode.rests else held
         if mode.rests:
             held = [ROLLING_1, ROLLING_2, *held]
-        if self._held_on_rim(mode):
+        if on_rim:
             # theta' = 0 is kept in directions that precess with the can
             start[ROLLING_1] += w[0] * w[1]
         answer = np.einsum("nij,jn->in", mobility, law)
@@ -373,7 +373,7 @@ class GeneralEquations:
             wrench[index] += share[row]
         both = start + np.einsum("nij,jn->in", mobility, wrench)
         both[held] = 0.0
-        if self._held_on_rim(mode):
+        if on_rim:
             both[ROLLING_1] = -w[0] * w[1]
         return Contact(
             force=wrench[3:],
