@@ -113,11 +113,11 @@ def bound_holds(row: dict[str, Any]) -> bool:
 def test_a_small_benchmark_measures_every_claim(benchmark: Benchmark) -> None:
     code, found = benchmark("--engine", "mujoco")
     ratios, lean_ones = found["ratios"], found["lean"]
-    # two commands; the exact bounce, the integrator over one bounce and three, the map; friction;
-    # three whole jobs; of the engine two loops, a batch, adaptive steps; over heyoka the exact
-    # bounce at two tolerances and the integrator
+    # two commands; the exact bounce, the integrator over one bounce and three, the map, a can that
+    # is dropped; friction; three whole jobs; of the engine two loops, a batch, adaptive steps; over
+    # heyoka the exact bounce at two tolerances and the integrator
     rivals = 0 if heyoka_rows.missing() else 3
-    assert len(ratios) == 15 + rivals
+    assert len(ratios) == 16 + rivals
     assert sum("heyoka" in row["what"] for row in ratios) == rivals
     assert [(one["who"], one["scene"]) for one in lean_ones] == [
         ("mujoco", "gentle-rock"),

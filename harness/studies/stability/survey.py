@@ -27,6 +27,7 @@ from harness.metrics.energy import energy
 from harness.metrics.error import rotation_between
 from harness.studies.stability.failure_criteria import available_energy
 from harness.studies.study import Work
+from models.body_effects import Damping
 from models.catalogue import load
 from models.effects import IDEAL
 from models.scene import Scene
@@ -46,6 +47,9 @@ _FORMULAS = frozenset({"exact", "pendulum"})
 EPS = float(np.finfo(float).eps)
 
 _SAMPLES = 33
+
+_HARDLY = Damping(linear=1e-20)
+"""1/s: less than round-off."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,8 +107,12 @@ def _two_ways(scene: Scene, *, slips: bool) -> tuple[Truth, Truth]:
     A rim that slips is followed by the equations of its own model and by those of the general can.
     One that rolls is integrated, and beside that solved by the formula where it bounces, in closed
     form where it moves in a plane, and else by the equations of stick and slip with friction
-    without bound: other variables, another integrator.
+    without bound: other variables, another integrator. A can that lands has one model, whose motion
+    on the rim is that of a rolling can, or of the general one if anything damps it.
     """
+    if scene.release.height > 0.0:
+        damped = replace(scene, effects=replace(scene.effects, damping=_HARDLY))
+        return _solved(damped, "auto"), _solved(scene, "auto")
     if slips:
         return _solved(scene, "general"), _solved(scene, "auto")
     formula, integrated = _solved(scene, "exact"), _solved(scene, "rolling")

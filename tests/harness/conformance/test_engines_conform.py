@@ -9,11 +9,13 @@ from harness.engines.registry import engine
 from tests.support.engines import PHYSICS, STEPPING
 
 NOT_APPLICABLE: dict[str, set[str]] = {name: set() for name in PHYSICS} | {
-    "pybullet": {"unsupported effect"},
     "drake-cenic": {"horizon", "friction", "divergence", "newton"},
     "exudyn": {"friction", "flight"},
     "ode": {"friction"},
-    "reference": {"mass properties", "horizon", "laws of effects", "divergence", "flight"},
+    "reference": {
+        *("mass properties", "horizon", "laws of effects", "divergence", "flight"),
+        "unsupported effect",
+    },
 }
 
 

@@ -224,7 +224,9 @@ def test_a_measurement_travels_and_repeats(scene: Scene, name: str) -> None:
 @pytest.mark.slow
 def test_every_effect_has_a_finding(scene: Scene) -> None:
     measurement = measure(Case(scene=scene, engine="mujoco", timestep=1e-3))
-    assert list(PROBES) == list(dict.fromkeys(f.effect for f in measurement.findings))
+    # the declared softness is asked for where a scene declares one
+    asked = [name for name in PROBES if name != "declared compliance"]
+    assert asked == list(dict.fromkeys(f.effect for f in measurement.findings))
     quantities = [(f.effect, f.quantity) for f in measurement.findings]
     assert len(set(quantities)) == len(quantities)
 
