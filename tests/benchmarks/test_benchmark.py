@@ -114,8 +114,8 @@ def test_a_small_benchmark_measures_every_claim(benchmark: Benchmark) -> None:
     code, found = benchmark("--engine", "mujoco")
     ratios, lean_ones = found["ratios"], found["lean"]
     # two commands; the exact bounce, the integrator over one bounce and three, the map, a can that
-    # is dropped; friction, and laws not declared; three whole jobs; of the engine two loops, a batch,
-    # adaptive steps; over heyoka the exact bounce at two tolerances and the integrator
+    # is dropped; friction, and laws not declared; three whole jobs; of the engine two loops, a
+    # batch, adaptive steps; over heyoka the exact bounce at two tolerances and the integrator
     rivals = 0 if heyoka_rows.missing() else 3
     assert len(ratios) == 16 + rivals
     assert sum("heyoka" in row["what"] for row in ratios) == rivals
