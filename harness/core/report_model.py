@@ -320,6 +320,8 @@ class Body:
         rad, without jumps.
     contact : ndarray, shape (n, 2)
         Lowest point of the rim, from above, m.
+    height : ndarray, shape (n,)
+        Of that point above the plane, m, of a can that flies; else zero.
     """
 
     label: str
@@ -328,6 +330,7 @@ class Body:
     psi: Floats
     theta: Floats
     contact: Floats
+    height: Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -51,6 +51,8 @@ def frames(replay: Replay) -> dict[str, Any]:
                 "theta": _stepped(body.theta),
                 "x": _stepped((body.contact[:, 0] - middle[0]) / replay.radius),
                 "y": _stepped((body.contact[:, 1] - middle[1]) / replay.radius),
+                # of a can that stays on the plane it would be zeros
+                **({"z": _stepped(body.height / replay.radius)} if body.height.any() else {}),
             }
             for body in replay.bodies
         ],

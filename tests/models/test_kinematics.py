@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from models import angle_rates, angles, angular_velocity, principal, quaternion, to_body
-from models.kinematics import half_angles
+from models import angle_rates, angles, angular_velocity, load, principal, quaternion, to_body
+from models.kinematics import angles_of_record, half_angles
 
 EPS = np.finfo(np.float64).eps
 
@@ -168,3 +168,20 @@ def test_to_body_undoes_the_rotation(phi: float, psi: float, theta: float) -> No
     vector = np.array((1.0, -2.0, 0.5))
     expected = matrix(q).T @ vector
     np.testing.assert_allclose(to_body(q, vector), expected, atol=16 * EPS * 2.3, rtol=0)
+
+
+@pytest.mark.parametrize("passes", [1, 2, 3])
+@pytest.mark.parametrize("noise", [0.0, 1e-11, -1e-11])
+def test_a_half_turn_through_the_flat_state_grows(passes: int, noise: float) -> None:
+    # rocks in a plane from one side of its face to the other, 40 samples a side
+    time = np.linspace(0.0, passes + 1.0, 40 * (passes + 1))
+    side = np.floor(time)
+    phi = 0.2 * np.sin(np.pi * (time - side)) + 1e-12
+    phi_dot = 0.2 * np.pi * np.cos(np.pi * (time - side))
+    psi = 0.3 + np.pi * side
+    spin = angular_velocity(phi, psi, phi_dot, np.full_like(phi, noise), np.full_like(phi, -noise))
+    found = angles_of_record(
+        load("falls-flat").can, time, quaternion(phi, psi, -psi), spin, start=(0.3, -0.3)
+    )
+    np.testing.assert_allclose(found.psi, psi, atol=1e-9)
+    assert not found.unresolved.any()

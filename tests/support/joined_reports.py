@@ -80,6 +80,7 @@ def replay(words: Words) -> Replay:
             psi=psi,
             theta=-psi,
             contact=0.037 * np.column_stack((np.cos(psi), np.sin(psi))),
+            height=np.zeros(100),
         )
 
     return Replay(

@@ -26,7 +26,7 @@
     const down = [-Math.cos(phi) * Math.cos(psi), -Math.cos(phi) * Math.sin(psi), -Math.sin(phi)];
     const across = [-Math.sin(psi), Math.cos(psi), 0];
     const axis = [-Math.sin(phi) * Math.cos(psi), -Math.sin(phi) * Math.sin(psi), Math.cos(phi)];
-    const bottom = plus([body.x[frame], body.y[frame], 0], down, -1);
+    const bottom = plus([body.x[frame], body.y[frame], body.z ? body.z[frame] : 0], down, -1);
     const mark = plus(down.map((one) => -Math.cos(theta) * one), across, Math.sin(theta));
     return { bottom, top: plus(bottom, axis, height), axis, down, across, mark };
   }
@@ -53,7 +53,7 @@
     const told = JSON.parse(await unpacked(element.querySelector(".frames")));
     const bodies = told.bodies.map((one) => ({
       ...one,
-      ...Object.fromEntries(["phi", "psi", "theta", "x", "y"].map((name) => [name, unpack(one[name])])),
+      ...Object.fromEntries(["phi", "psi", "theta", "x", "y", ...(one.z ? ["z"] : [])].map((name) => [name, unpack(one[name])])),
     }));
     const own = bodies[0];
     const around = { low: [Infinity, Infinity], high: [-Infinity, -Infinity] };

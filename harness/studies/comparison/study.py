@@ -313,10 +313,15 @@ def _frames(exact: Motion) -> Floats:
     return frames
 
 
+_FLIES = 1e-3
+"""Of the radius: a can that is less high above the plane is drawn on it."""
+
+
 def _body(label_: str, kind: str, motion: Motion, scene: Scene, time: Floats) -> Body:
     """Return a can at the times of the frames; before and after its record it stands still."""
     at = motion.trajectory
-    contact = contact_point(scene.can, at.position, at.quaternion)[:, :2]
+    contact = contact_point(scene.can, at.position, at.quaternion)
+    above = np.where(contact[:, 2] > _FLIES * scene.can.radius, contact[:, 2], 0.0)
     return Body(
         label=label_,
         kind=kind,
@@ -326,6 +331,7 @@ def _body(label_: str, kind: str, motion: Motion, scene: Scene, time: Floats) ->
         contact=np.column_stack(
             [np.interp(time, motion.time, contact[:, axis]) for axis in range(2)]
         ),
+        height=np.interp(time, motion.time, above),
     )
 
 

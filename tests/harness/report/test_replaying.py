@@ -24,6 +24,7 @@ def rolled() -> Replay:
         psi=np.arctan(30.0 * (time - 0.5)),
         theta=-60.0 * time,
         contact=contact,
+        height=np.zeros(480),
     )
     return Replay(name="r", title="r", seen="", radius=0.037, height=0.1, time=time, bodies=(body,))
 
@@ -48,6 +49,14 @@ def test_angles_and_places_come_back_within_a_pixel(rolled: Replay) -> None:
         assert np.abs(unpacked(packed[name]) - true).max() <= 0.5001 * np.ptp(true) / 65535
     assert np.array_equal(unpacked(told["time"]), rolled.time)
     assert np.argmin(unpacked(packed["phi"])) == np.argmin(body.phi)
+
+
+def test_only_a_can_that_flies_has_a_height(rolled: Replay) -> None:
+    body = rolled.bodies[0]
+    flies = replace(body, height=np.where(rolled.time < 0.5, 0.037 * rolled.time, 0.0))
+    first, second = frames(replace(rolled, bodies=(body, flies)))["bodies"]
+    assert "z" not in first
+    np.testing.assert_allclose(unpacked(second["z"]), flies.height / 0.037, atol=1e-5)
 
 
 def test_what_stands_still_and_what_is_unknown_come_back(rolled: Replay) -> None:

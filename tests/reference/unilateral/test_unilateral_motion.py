@@ -24,6 +24,7 @@ from reference import (
 )
 from reference.problem.effects import IMPACT_LAWS
 from reference.problem.states import Floats
+from reference.smooth.extrema import prominent
 from tests.support.compiled import needs_numba
 from tests.support.unilateral_energy import energy
 
@@ -365,3 +366,16 @@ def test_turns_are_counted_where_a_flight_passes_the_vertical_closely(beside: fl
     for angle, rate in ((there.psi, there.psi_dot), (there.theta, there.theta_dot)):
         assert angle[-1] - angle[0] == pytest.approx(np.trapezoid(rate, times), abs=1e-7)
         assert np.abs(np.diff(angle)).max() < 1e-3
+
+
+def test_bounces_stand_out_by_a_hundredth_of_the_largest_phi() -> None:
+    assert prominent([1.0, 0.2, 0.205, 0.1, 0.8, 0.795], 0.01) == [0, 3, 4]
+    assert prominent([0.5, 0.496, 1.0, 0.0], 0.01) == [1, 2, 3]
+    assert prominent([1.0, 0.5, 1.0], 0.0) == [0, 1, 2]
+    assert prominent([], 0.01) == []
+
+
+def test_bounces_without_end_need_no_recursion() -> None:
+    # an impact every 0.0028, of a balanced can that loses nothing
+    solution = solve(balanced(1.0, 1e-6, 3.0))
+    assert len(solution.impacts) > 1000
