@@ -4,7 +4,9 @@ Beside another set of equations, whose numbers they give to within round-off; th
 (`reference.equations.kernels`) are imported with the first state, numba with them.
 """
 
-from dataclasses import dataclass, fields, replace
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, fields
+from functools import cache
 from math import inf
 
 import numpy as np
@@ -36,6 +38,15 @@ CARRIED = frozenset(
         "mass",
     }
 )
+
+IMPACTS = frozenset({"restitution"})
+"""Effects that are no part of the equations of motion on the rim."""
+
+
+@cache
+def _others(kind: type[Effects]) -> tuple[tuple[str, object], ...]:
+    """Return the effects that are not among the constants, each with its ideal limit."""
+    return tuple((each.name, each.default) for each in fields(kind) if each.name not in CARRIED)
 
 
 def laws_of(mode: Mode) -> Laws:
@@ -75,10 +86,13 @@ class CompiledEquations:
         return 0.0
 
     @staticmethod
-    def know(effects: Effects) -> bool:
-        """Return whether the kernels carry all effects that differ from their ideal limits."""
-        others = (effect for effect in fields(effects) if effect.name not in CARRIED)
-        return all(getattr(effects, effect.name) == effect.default for effect in others)
+    def know(effects: Effects, *, but: AbstractSet[str] = frozenset()) -> bool:
+        """Return whether the kernels carry all effects that differ from their ideal limits.
+
+        Effects named in `but` are not asked about.
+        """
+        others = _others(type(effects))
+        return all(getattr(effects, name) == limit for name, limit in others if name not in but)
 
     @classmethod
     def of(cls, plain: Equations, problem: Problem) -> "CompiledEquations":
@@ -90,7 +104,7 @@ class CompiledEquations:
             If the problem has a law that no kernel carries; impacts are none of the equations'.
         """
         p, e = problem.parameters, problem.effects
-        if not cls.know(replace(e, restitution=None)):
+        if not cls.know(e, but=IMPACTS):
             raise ValueError("an effect of this problem has no kernel: its equations are numpy's")
         mass = (0.0,) * 4 if e.mass is None else (e.mass.share, e.mass.x, e.mass.y, e.mass.z)
         shaking = (*e.gravity.amplitude, e.gravity.rate, e.gravity.phase)

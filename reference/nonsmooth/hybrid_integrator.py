@@ -269,6 +269,8 @@ class HybridIntegrator:
             piece = replace(piece, cut=cut)
         self._pieces.append(piece)
         self._y, self._now = self._end(piece), ModeTransition(mode=self._mode)
+        if self.watch.ended():
+            return
         self._switch(ending)
         if self._counts and not self.watch.ended():
             phi = float(2 * np.arctan(np.exp(self._y[LEAN])))

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from reference.equations.compiled_equations import CompiledEquations
+from reference.equations.compiled_equations import IMPACTS, CompiledEquations
 from reference.equations.contact_laws import Equations, Impact, Kind, Phase
 from reference.equations.coulomb import CoulombEquations
 from reference.equations.frames import to_body
@@ -145,7 +145,7 @@ class UnilateralMotion:
             plain = CoulombEquations(parameters=p, mu=mu, only_pushes=True, static=e.mu_static)
         # compiled sums of the general can leave a slip in the plane a round-off beside it
         leaves = self._planar and bool(e.mu)
-        known = CompiledEquations.know(replace(e, restitution=None))
+        known = CompiledEquations.know(e, but=IMPACTS)
         self.compiled = self.compiled and known and not leaves
         self._equations = CompiledEquations.of(plain, self.problem) if self.compiled else plain
 
