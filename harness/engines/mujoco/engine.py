@@ -99,7 +99,7 @@ class MujocoEngine(PhysicsEngine[MujocoWorld]):
     """MuJoCo: soft contact by convex optimisation, generalised coordinates."""
 
     name = "mujoco"
-    fewest_steps = 128
+    fewest_steps = 256
     description = DESCRIPTION
     settings = declared.SETTINGS
     default_timestep = declared.DEFAULT_TIMESTEP

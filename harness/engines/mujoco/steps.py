@@ -121,6 +121,9 @@ class MujocoSteps:
     def __init__(self, world: MujocoWorld, sampling: SamplingInterval | None) -> None:
         self._world, self._sampling = world, sampling
         self._state = state_of(world)
+        self._model, self._data = [world.model], [world.data]
+        # one for the run: each that MuJoCo makes for a call costs as much as two steps
+        self._rollout = rollout.Rollout(nthread=0).rollout
         self._times: list[Floats] = []
         self._states = self._sensors = _NOTHING
         self._held = 0
@@ -147,9 +150,9 @@ class MujocoSteps:
         world, count = self._world, len(stage.times)
         states, sensors = self._room(count)
         world.set_timestep(stage.timestep)
-        rollout.rollout(
-            [world.model],
-            [world.data],
+        self._rollout(
+            self._model,
+            self._data,
             self._state[None],
             **{"nstep": count} | control(world, stage.times),
             initial_warmstart=world.data.qacc_warmstart.copy()[None],

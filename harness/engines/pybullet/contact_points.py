@@ -1,4 +1,4 @@
-"""Contact points of PyBullet, gathered as bytes while it steps and summed up for many states."""
+"""Contact points of PyBullet as numbers, summed up for many states."""
 
 from collections.abc import Sequence
 from struct import Struct
@@ -12,16 +12,16 @@ ContactPoint: TypeAlias = tuple[Any, ...]
 
 POINT = Struct("19d")
 """A contact point: positions on can and ground, normal towards the can, distance, normal force, and
-twice a friction force with its direction."""
+twice a friction force with its direction: the places 5 to 13 of PyBullet's tuple."""
 
 
-def packed(points: Sequence[ContactPoint]) -> bytes:
-    """Return contact points in bytes, as `POINT` orders them: by places 5 to 13 of their tuples."""
-    held, pack = b"", POINT.pack
-    # number by number: arguments out of tuples take half as long again
-    for _, _, _, _, _, (a, b, c), (d, e, f), (g, h, i), j, k, l_, (m, n, o), p, (q, r, s) in points:
-        held += pack(a, b, c, d, e, f, g, h, i, j, k, l_, m, n, o, p, q, r, s)
-    return held
+def numbers_of(points: Sequence[ContactPoint]) -> Floats:
+    """Return contact points as numbers, shape (n, 19), in the order of `POINT`."""
+    rows = [
+        (*own, *other, *normal, gap, force, along, *first, across, *second)
+        for _, _, _, _, _, own, other, normal, gap, force, along, first, across, second in points
+    ]
+    return np.array(rows).reshape(-1, POINT.size // 8)
 
 
 def resultants(points: Floats, counts: Integers) -> Floats:

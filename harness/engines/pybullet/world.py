@@ -34,7 +34,7 @@ from harness.engines import (
     mesh_points,
     obj_text,
 )
-from harness.engines.pybullet.contact_points import POINT, packed, resultants
+from harness.engines.pybullet.contact_points import numbers_of, resultants
 from harness.engines.pybullet.settings import (
     DYNAMICS,
     PROCESS_WIDE,
@@ -328,8 +328,7 @@ class PybulletWorld:
     def contact(self) -> Contact:
         """Return the contact that the last step solved: that of the state before it."""
         points = pybullet.getContactPoints(self.can, self.ground, physicsClientId=self.client)
-        numbers = np.frombuffer(packed(points)).reshape(-1, POINT.size // 8)
-        row = resultants(numbers, np.array([len(points)]))[0]
+        row = resultants(numbers_of(points), np.array([len(points)]))[0]
         return Contact(
             point=row[:3], force=row[3:6] * self.parts, penetration=float(row[6]), count=int(row[7])
         )

@@ -108,8 +108,9 @@ MOST = 16384
 """Steps in a chunk: enough to pay for the look, few enough to be held, 180 bytes each."""
 
 _FIRST = 64
-"""Steps in the first chunk of fixed steps; each that follows may be four times as long. What starts
-wrong breaks within some tens of steps, and four short looks cost little in a run that does not.
+"""Steps in the first chunk of fixed steps, but where a look costs more than these; each chunk that
+follows may be four times as long. What starts wrong breaks within some tens of steps, and four
+short looks cost little in a run that does not.
 """
 
 _ADAPTIVE_LOOK = 1024
@@ -375,7 +376,8 @@ def schedule_of(prepared: Simulation, fewest: int = 1) -> tuple[Schedule, int]:
         size = _ADAPTIVE_LOOK
     else:
         first = _size(HorizonPrediction(scene), timestep, fewest)
-        schedule, size = Fixed(timestep, limit, first, _FIRST, MOST), 1  # a stage is a chunk
+        # a stage is a chunk
+        schedule, size = Fixed(timestep, limit, first, max(_FIRST, fewest), MOST), 1
     schedule.sampling = SamplingInterval(unit / SAMPLES_IN_TIME)
     return schedule, size
 
