@@ -202,7 +202,11 @@ def _laws_and_state(solution: Solution) -> str:
         "mu_static": effects.mu_static,
         "an arm of drilling": effects.drilling,
         "an arm of rolling resistance": effects.rolling_resistance,
+        "a patch": effects.patch,
         "a coefficient along the rim": effects.contour,
+        "a damping along the rim": effects.contour_damping,
+        "a film of air": effects.film,
+        "boundary layers of air": effects.boundary_layer,
     }
     named = [f"{name} {value:g}" for name, value in laws.items() if value]
     slip = 0.0 if end.slip is None else float(np.hypot(*end.slip[0]))
