@@ -192,7 +192,9 @@ def _of_the_exact_can(quantity: FidelityQuantity, e: Evaluation, truth: Motion) 
         return "the scene lets the can slip"
     if quantity.key == _LIFT_OFF and _unilateral(e) and not truth.touching.all():
         return "the exact can leaves the plane"
-    if quantity.key == _DEPTH and _unilateral(e) and _clearance(e, truth) < _ATOM:
+    lowest = min((bounce.phi_min for bounce in e.true_bounces), default=math.inf)
+    meets = min(_clearance(e, truth), e.simulation.case.scene.can.radius * lowest) < _ATOM
+    if quantity.key == _DEPTH and _unilateral(e) and meets:
         return "the exact can lands on its face"
     return ""
 
