@@ -48,7 +48,7 @@ MOST_FALLS = 2e3
 """Bounces from the nutation of the release, each a megabyte of motion, in a horizon in seconds."""
 
 FARTHEST = 1e3
-"""Height of the release, over R."""
+"""Height of the release, and amplitudes of a shaken plane, over R."""
 
 
 class SceneLimitError(HarnessError, ValueError):
@@ -110,6 +110,7 @@ def _beyond(scene: Scene) -> Iterator[tuple[str, float, str]]:
         time = math.sqrt(can.radius / scene.gravity)
         for key, rate in zip(("phi_dot", "psi_dot", "theta_dot"), rates, strict=True):
             yield from _small(f"release.{key}", rate, FASTEST / time, "rad/s")
+        yield from _shaken(scene, FASTEST / time)
         # from rest at a small phi the can falls flat within sqrt(2 (a_p + 1) phi)
         fall = 2.0 * math.sqrt(2.0 * (can.a + can.h**2 + 1.0) * release.phi)
         most = min(LONGEST, MOST_FALLS * fall) * time
@@ -119,6 +120,16 @@ def _beyond(scene: Scene) -> Iterator[tuple[str, float, str]]:
     if seconds is not None and turned > MOST_TURNED:
         most = seconds * MOST_TURNED / turned
         yield "horizon.seconds", seconds, f"at most {most:.3g} s at the rates of its release"
+
+
+def _shaken(scene: Scene, fastest: float) -> Iterator[tuple[str, float, str]]:
+    shake, key = scene.effects.shake, "effects.shake"
+    if shake is None:
+        return
+    yield from _small(f"{key}.frequency", shake.frequency, fastest / (2.0 * math.pi), "Hz")
+    for name in ("horizontal", "vertical"):
+        amplitude = getattr(shake, name)
+        yield from _small(f"{key}.{name}", amplitude, FARTHEST * scene.can.radius, "m")
 
 
 def _within(

@@ -39,6 +39,8 @@ SLOW = 0.03
 # Decades of phi that an exponent is fitted to, at least; below, a wobble hides it.
 LEAST_DECADES = 0.3
 SAMPLES = 400
+# Of ln phi: what leaves the fitted power by more is no steady fall, as of a can that rocks.
+STEADY = 0.1
 # Rounds in which the window and the fit find each other.
 ROUNDS = 4
 # Phases whose beginnings go to their limit as a geometric sequence.
@@ -54,7 +56,8 @@ class Rest:
     time : float
         t_f, in sqrt(R/g).
     exponent : float or None
-        p, fitted to phi = A (t_s - t)^p in the window; None where the window is too short.
+        p, fitted to phi = A (t_s - t)^p in the window; None where the window is too short, or phi
+        rises and falls in it.
     predicted : float or None
         p of the law that takes the largest power as phi goes to zero; None without a fit.
     law : str
@@ -128,10 +131,13 @@ def _fitted(solution: Solution, guess: float) -> tuple[float | None, tuple[float
     grid = solution.grid()
     phi = solution.at(grid).phi
     high, low, exponent = float(phi[0]), float(phi[0]) / 10, guess
+    off = np.zeros(0)
     for _ in range(ROUNDS):
         last = grid[np.flatnonzero(phi > low)[-1]]
         times = np.linspace(0.0, last, SAMPLES)
-        exponent, end, scale = _power(times, np.log(solution.at(times).phi), exponent)
+        log_phi = np.log(solution.at(times).phi)
+        exponent, end, scale = _power(times, log_phi, exponent)
+        off = log_phi - np.log(scale) - exponent * np.log(end - times)
         # phi'/(phi theta') = p/((t_s - t) theta') with theta' = 2 phi^(-1/2)
         ages = (end - times) * 2 / np.sqrt(scale * (end - times) ** exponent)
         slow = np.flatnonzero(exponent < SLOW * ages)
@@ -139,7 +145,7 @@ def _fitted(solution: Solution, guess: float) -> tuple[float | None, tuple[float
             return None, (low, high)
         left = end - times[slow[-1]]
         low = max(float(scale * left**exponent), high * 1e-6)
-    if np.log10(high / low) < LEAST_DECADES:
+    if np.log10(high / low) < LEAST_DECADES or np.abs(off).max() > STEADY:
         return None, (low, high)
     return exponent, (low, high)
 

@@ -32,6 +32,9 @@ ENDINGS = {Outcome.OVERTURNED, Outcome.FELL_FLAT, Outcome.LIFTED, *PARADOXES}
 # A solver's own limits.
 LIMITS = {Outcome.OUTWORKED, Outcome.VIBRATES, Outcome.STALLED, Outcome.UNRESOLVED}
 NONE_CARRIES = "No reference model carries it."
+UNILATERAL_CARRIES = "Declare restitution, be it 0: `unilateral` carries it."
+# Where a contact that only pushes is lost, met with the whole face, or drives its rim into itself.
+LEAVES_THE_POINT = {Outcome.LIFTED, Outcome.FELL_FLAT, Outcome.JAMMED}
 
 
 class FindingKind(Enum):
@@ -56,8 +59,8 @@ class Finding:
     kind : FindingKind
     sentence : str
     model : str
-        The larger reference model that would carry it; empty if none does, or the same would with
-        another effect declared.
+        The larger reference model that would carry it; empty if none does, or one does with
+        another effect declared, as the sentence then says.
     """
 
     kind: FindingKind
@@ -159,7 +162,8 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
     never_slips = solution.problem.effects.mu is None
     if solution.outcome in ENDINGS and not is_regular(solution):
         where = _laws_and_state(solution) if solution.outcome in PARADOXES else ""
-        sentence = f"{solution.outcome.value} {where}{NONE_CARRIES}"
+        further = _carried(solution) if solution.outcome in LEAVES_THE_POINT else NONE_CARRIES
+        sentence = f"{solution.outcome.value} {where}{further}"
         findings.append(Finding(kind=FindingKind.ENDING, sentence=sentence))
     if solution.outcome in LIMITS:
         findings.append(Finding(kind=FindingKind.LIMIT, sentence=solution.outcome.value))
@@ -168,7 +172,7 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
     yields = solution.problem.effects.compliance is not None
     if never_slips and guard.normal_force <= 0 and not lifted and not yields and not unilateral:
         pull = f"Rolling asks the plane to pull, with up to {-guard.normal_force:.4g} m g: "
-        sentence = f"{pull}a can that is only pushed lifts off. {NONE_CARRIES}"
+        sentence = f"{pull}a can that is only pushed lifts off. {_carried(solution)}"
         findings.append(Finding(kind=FindingKind.PULL, sentence=sentence))
     elif never_slips and guard.friction_ratio > PLENTY:
         findings.append(_slippery(solution, guard.friction_ratio))
@@ -183,6 +187,13 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
     return findings
 
 
+def _carried(solution: Solution) -> str:
+    """Return the sentence that says which model carries a contact that is lost, found or jams."""
+    effects = solution.problem.effects
+    held = effects.restitution is None and effects.compliance is None
+    return UNILATERAL_CARRIES if held else NONE_CARRIES
+
+
 def _laws_and_state(solution: Solution) -> str:
     """Return the sentence that names the laws of friction and the state of a paradox."""
     effects, end = solution.problem.effects, solution.at(solution.t_end)
@@ -191,7 +202,11 @@ def _laws_and_state(solution: Solution) -> str:
         "mu_static": effects.mu_static,
         "an arm of drilling": effects.drilling,
         "an arm of rolling resistance": effects.rolling_resistance,
+        "a patch": effects.patch,
         "a coefficient along the rim": effects.contour,
+        "a damping along the rim": effects.contour_damping,
+        "a film of air": effects.film,
+        "boundary layers of air": effects.boundary_layer,
     }
     named = [f"{name} {value:g}" for name, value in laws.items() if value]
     slip = 0.0 if end.slip is None else float(np.hypot(*end.slip[0]))
@@ -213,7 +228,8 @@ def _slippery(solution: Solution, ratio: float) -> Finding:
             needs = "A rim that never slips needs friction without bound where its contact is lost"
         sentence, model = f"{needs}. Declare slip: `compliant` carries it.", ""
     elif solution.problem.effects.declared():
-        sentence, model = f"{needs}. Declare slip: `general` carries it.", ""
+        carries = "general" if solution.problem.effects.restitution is None else "unilateral"
+        sentence, model = f"{needs}. Declare slip: `{carries}` carries it.", ""
     else:
         sentence, model = f"{needs}, and the scene should declare slip.", "coulomb"
     return Finding(kind=FindingKind.FRICTION, sentence=sentence, model=model)

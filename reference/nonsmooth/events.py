@@ -264,7 +264,8 @@ def _dips(
     before, here, after = values[:-2], values[1:-1], values[2:]
     bend, slope = before - 2 * here + after, (after - before) / 2
     least = np.minimum(np.minimum(before, here), after)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    # the square of the margin of an enormous friction overflows, and its dip is then looked into
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         inside = (bend > 0) & (np.abs(slope) <= bend)
         drop = least - (here - slope**2 / (2 * bend))
         near = (least > 0) & inside & (least <= NEAR_ZERO * drop)

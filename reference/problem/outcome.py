@@ -7,7 +7,7 @@ class Outcome(Enum):
     """Outcome of a solution; the value is a sentence for a person."""
 
     FINISHED = "The solution reached the horizon it was asked for."
-    OVERTURNED = "The can overturned: phi reached pi/2 and its side meets the plane."
+    OVERTURNED = "The can overturned: its side, or its other rim, meets the plane."
     FELL_FLAT = "The can fell flat: the whole rim met the plane at once."
     CAME_TO_REST = (
         "The can came to rest in finite time: it lies flat on the plane, and if it moves at all it "

@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 import sympy
 
-from reference import Effects, Outcome, Problem, Solution, coming_to_rest, is_regular, solve
+from reference import (
+    PAPER_CAN,
+    Effects,
+    Outcome,
+    Problem,
+    Solution,
+    coming_to_rest,
+    is_regular,
+    solve,
+)
 from reference.analysis.coming_to_rest import powers
 from reference.equations.nonholonomic import nutation_acceleration
 from reference.problem.can import Parameters
@@ -159,6 +168,25 @@ def test_a_can_that_falls_flat_without_dissipation_has_no_law() -> None:
     assert not is_regular(fell)
     rest = coming_to_rest(fell)
     assert rest is not None
+    assert (rest.law, rest.exponent, rest.predicted) == ("", None, None)
+
+
+def test_a_can_that_rocks_on_its_way_to_rest_has_no_exponent() -> None:
+    """Its phi falls and rises, and the steady rolling that the exponents are of is none of it."""
+    problem = Problem(
+        parameters=PAPER_CAN,
+        phi=0.4,
+        psi_dot=0.12,
+        theta_dot=-0.06,
+        duration=100.0,
+        effects=Effects(boundary_layer=2e-3),
+    )
+    rocked = solve(problem)
+    assert rocked.bounces
+    assert is_regular(rocked)
+    rest = coming_to_rest(rocked)
+    assert rest is not None
+    assert rest.time == rocked.t_end
     assert (rest.law, rest.exponent, rest.predicted) == ("", None, None)
 
 

@@ -219,6 +219,9 @@ def test_none_or_several_are_named(problem: Problem, outcome: Outcome, model: st
         assert found.t_end == 0
         (finding,) = examine(found, np.array([0.0])).findings
         assert finding.kind is FindingKind.ENDING
+        # which law, and in which state
+        assert f"mu {problem.effects.mu:g}" in finding.sentence
+        assert f"phi = {problem.phi:.6g} rad" in finding.sentence
 
 
 def test_what_a_slipping_rim_has_none_or_several_of_is_so_by_hand() -> None:

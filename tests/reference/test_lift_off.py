@@ -78,6 +78,8 @@ def test_whatever_effect_is_declared_the_can_lifts_where_the_normal_force_is_zer
     # |F| is some tenths of the weight: over LIGHT at most
     assert 1 < seen.friction_ratio < 1 / LIGHT
     assert FindingKind.PULL not in {finding.kind for finding in seen.findings}
+    (ending,) = (finding for finding in seen.findings if finding.kind is FindingKind.ENDING)
+    assert ending.sentence.endswith("Declare restitution, be it 0: `unilateral` carries it.")
 
 
 def test_a_normal_force_that_grazes_zero_between_two_looks_lifts() -> None:

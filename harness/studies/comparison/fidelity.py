@@ -181,10 +181,21 @@ def _undecidable(quantity: FidelityQuantity, e: Evaluation) -> str:
         return "the exact motion asks the plane to pull"
     if quantity.bounces and not e.true_bounces:
         return "the scene has no bounce"
-    if quantity.key == _SLIP and e.simulation.case.scene.effects.slip is not None:
-        return "the scene lets the can slip"
     if quantity.key == _ENERGY and e.energy_drift is None:
         return "the scene does not conserve its energy"
+    return _of_the_exact_can(quantity, e, e.truth)
+
+
+def _of_the_exact_can(quantity: FidelityQuantity, e: Evaluation, truth: Motion) -> str:
+    """Return that the exact can does, or may do, what the ideal can never does; or nothing."""
+    if quantity.key == _SLIP and e.simulation.case.scene.effects.slip is not None:
+        return "the scene lets the can slip"
+    if quantity.key == _LIFT_OFF and _unilateral(e) and not truth.touching.all():
+        return "the exact can leaves the plane"
+    lowest = min((bounce.phi_min for bounce in e.true_bounces), default=math.inf)
+    meets = min(_clearance(e, truth), e.simulation.case.scene.can.radius * lowest) < _ATOM
+    if quantity.key == _DEPTH and _unilateral(e) and meets:
+        return "the exact can lands on its face"
     return ""
 
 
@@ -209,6 +220,12 @@ def _friction(e: Evaluation) -> float | None:
 def _asked(e: Evaluation) -> float:
     """Return the least peak of |F|/N that the exact bounces ask for."""
     return min((b.peak_friction_ratio for b in e.true_bounces), default=math.nan)
+
+
+def _unilateral(e: Evaluation) -> bool:
+    """Return whether the exact can may leave the plane, and land on it."""
+    scene = e.simulation.case.scene
+    return scene.effects.restitution is not None or scene.release.height > 0.0
 
 
 def _clearance(e: Evaluation, truth: Motion) -> float:
@@ -236,6 +253,10 @@ def _spendable(e: Evaluation, truth: Motion) -> float:
 _TURN = "turn_error_deg"
 _SLIP = "slip_m_s"
 _ENERGY = "energy_drift"
+_LIFT_OFF = "lift_off_fraction"
+_DEPTH = "penetration_m"
+_ATOM = 1e-10
+"""m: a far rim that comes nearer to the plane than the size of an atom meets it."""
 
 JUDGED = (
     # a tenth of a degree: what a protractor on the table would not show
@@ -260,13 +281,13 @@ JUDGED = (
     ),
     # deeper, and the far rim touches the plane where the exact can clears it: another motion
     FidelityQuantity(
-        key="penetration_m",
+        key=_DEPTH,
         value=QUANTITIES["max_penetration_m"].of_run,
         allowed=_clearance,
         contact=True,
     ),
     FidelityQuantity(
-        key="lift_off_fraction",
+        key=_LIFT_OFF,
         value=QUANTITIES["lift_off_fraction"].of_run,
         allowed=lambda *_: _SEEN,
         contact=True,

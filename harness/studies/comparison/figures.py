@@ -272,7 +272,8 @@ def _apart(drawn: Sequence[Evaluation]) -> str:
 def _friction(scene: str, drawn: Sequence[Evaluation], true: Bounce | None) -> Figure:
     """Return the friction ratio over time."""
     exact = longest(drawn).truth
-    peak = np.nanmax(exact.friction_ratio) if exact is not None else math.nan
+    # no number of a can that has not landed yet
+    peak = np.fmax.reduce(exact.friction_ratio) if exact is not None else math.nan
     slip = drawn[0].simulation.case.scene.effects.slip
     if any(e.truth_pulls for e in drawn):
         second = "In places the exact motion asks the plane to pull; a can only pushed lifts off."
@@ -280,6 +281,8 @@ def _friction(scene: str, drawn: Sequence[Evaluation], true: Bounce | None) -> F
         second = (
             f"The plane gives {slip.mu:g} at most; the exact can slips where it would need more."
         )
+    elif not math.isfinite(peak):
+        second = "The exact can does not press on the plane here."
     else:
         second = f"Rolling without slipping asks for a friction coefficient of {peak:.3f} here."
     panels = [

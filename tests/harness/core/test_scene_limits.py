@@ -10,7 +10,7 @@ from dataclasses import replace
 import pytest
 
 from harness.core.scene_limits import SceneLimitError, check_scene_limits
-from models import Can, Horizon, Release, Scene, load
+from models import Can, Effects, Horizon, Release, Scene, Shake, load
 
 PLAIN = replace(load("gentle-rock"), horizon=Horizon(bounces=1))
 CAN = PLAIN.can
@@ -127,3 +127,20 @@ def test_a_release_turns_by_ten_thousand_radians_within_the_horizon(key: str) ->
     assert refused(turning(1e4 * INSIDE)) == ""
     assert refused(turning(1e4 * OUTSIDE)) == "horizon.seconds"
     assert "at the rates of its release" in allowed(turning(1e4 * OUTSIDE))
+
+
+@pytest.mark.parametrize(
+    ("key", "largest"),
+    [
+        ("frequency", 1e4 / NATURAL / (2.0 * math.pi)),
+        ("horizontal", 1e3 * CAN.radius),
+        ("vertical", 1e3 * CAN.radius),
+    ],
+)
+def test_a_plane_is_shaken_within_limits(key: str, largest: float) -> None:
+    def shaken(value: float) -> Scene:
+        shake = replace(Shake(frequency=1.0, horizontal=1e-3), **{key: value})
+        return replace(PLAIN, effects=Effects(shake=shake))
+
+    assert refused(shaken(largest * INSIDE)) == ""
+    assert refused(shaken(largest * OUTSIDE)) == f"effects.shake.{key}"
