@@ -7,6 +7,7 @@ another bounce the first, and is not asked for.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import lru_cache
 
 from harness.core.case import Case, Value
 from harness.core.errors import InvalidSettingError
@@ -19,6 +20,7 @@ from harness.engines.stepping.horizon import natural_time
 from harness.metrics.quantities import QUANTITIES as REGISTRY
 from harness.studies.cost.points import timesteps
 from harness.sweep.parameters import scene_at
+from models.errors import InvalidValueError
 from models.scene import Scene
 
 _RATES = ("release.psi_dot", "release.theta_dot")
@@ -199,10 +201,13 @@ class GradientPlan:
             found[TIMESTEP] = base.timestep
         return found | setting_values(settings)
 
+    def steps_of(self, key: str) -> tuple[float, ...]:
+        """Return the steps by which a key can be changed up and down, from long to short."""
+        return _within_range(self.scene, key, self.steps)
+
     def changed(self, base: Case, key: str, step: float) -> Case:
         """Return a case with one number changed by a step, relative and with its sign."""
-        before = value_of(self.scene, key)
-        moved = scene_at(self.scene, {key: before + step * unit_of(self.scene, key)})
+        moved = _moved(self.scene, key, step)
         sign = "up" if step > 0.0 else "down"
         name = f"{self.scene.name[:24]}.{key.replace('_', '-')[-24:]}.{sign}.{abs(step):.2g}"
         return replace(base, scene=replace(moved, name=name.lower()))
@@ -211,9 +216,27 @@ class GradientPlan:
         """Yield every changed case."""
         for base in self.bases:
             for key in self.keys:
-                for step in self.steps:
+                for step in self.steps_of(key):
                     for sign in (1.0, -1.0):
                         yield self.changed(base, key, sign * step)
+
+
+def _moved(scene: Scene, key: str, step: float) -> Scene:
+    return scene_at(scene, {key: value_of(scene, key) + step * unit_of(scene, key)})
+
+
+@lru_cache(maxsize=64)
+def _within_range(scene: Scene, key: str, steps: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the steps after which a scene is still one: none of a number at its bound."""
+    possible = []
+    for step in steps:
+        try:
+            for sign in (1.0, -1.0):
+                _moved(scene, key, sign * step)
+        except InvalidValueError:
+            continue
+        possible.append(step)
+    return tuple(possible)
 
 
 SETTING_STEPS = (1e-2, 1e-3, 1e-4)

@@ -44,7 +44,7 @@ def step_figures(scene: str, differences: Sequence[Differences]) -> Iterator[Fig
     drawn = [*_DRAWN, *(q for q in dict.fromkeys(d.quantity for d in differences) if "_at_" in q)]
     for quantity in drawn:
         own = [each for each in differences if each.quantity == quantity]
-        keys = dict.fromkeys(each.key for each in own)
+        keys = dict.fromkeys(each.key for each in own if each.values)
         if not any(each.exact for each in own):
             continue
         label = label_of(quantity)

@@ -24,6 +24,9 @@ from harness.studies.gradients.fit import ErrorOfSteps, fit_errors
 RIGHT, NEAR = 0.01, 0.1
 """Relative error up to which a derivative is right, and near."""
 
+AT_BOUND = "the number is at the bound of its range, and cannot be changed both ways"
+"""Why there is no difference at all."""
+
 _INSENSITIVE = 1e-3
 """Share of quantity over key: a smaller derivative is compared with this, not with itself."""
 
@@ -199,6 +202,8 @@ class Differences:
         """
         if self.exact is None:
             return Verdict(Status.NOT_JUDGED, f"not judged: {self.why}")
+        if not self.values:
+            return Verdict(Status.NOT_JUDGED, f"not judged: {AT_BOUND}")
         usable, chosen = self.usable, self.settled or self.best
         if usable is not None:
             inside = [

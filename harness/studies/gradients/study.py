@@ -99,7 +99,7 @@ class GradientsStudy:
                         runs[plan.changed(base, key, sign * step)]["numbers"]
                         for sign in (1.0, -1.0)
                     ]
-                    for step in plan.steps
+                    for step in plan.steps_of(key)
                 }
                 for quantity in quantities_of(plan.scene):
                     value, unit = size[quantity], unit_of(plan.scene, key)

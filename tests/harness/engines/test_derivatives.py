@@ -12,6 +12,7 @@ from harness.cli.commands import app
 from harness.core.case import Case
 from harness.core.errors import InvalidSettingError
 from harness.engines.reference.derivatives import NAMES, derivatives_of, scene_numbers
+from harness.engines.reference.to_reference_problem import problem
 from harness.engines.reference.truth import solve_case
 from harness.sweep.axes import read_axis
 from harness.sweep.parameters import scene_at
@@ -22,6 +23,7 @@ from models.catalogue import load
 from models.contact_effects import Drilling, RoundedRim
 from models.effects import Effects
 from models.scene import Scene
+from reference.analysis.sensitivity import sensitivity
 
 
 def measured(scene: Scene) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
@@ -69,6 +71,35 @@ def test_differences_of_scenes(effects: Effects) -> None:
         slopes = np.array([known.slopes[name][key] for name in NAMES.values()], dtype=float)
         sizes = np.abs(slopes) + np.abs(measured(scene) / value)
         assert (np.abs((4 * one - two) / 3 - slopes) / sizes).max() < 1e-7, key
+
+
+def test_units_are_those_of_the_scene() -> None:
+    """To round-off: the units of each key, and gravity and radius, which act through time alone."""
+    scene = load("gentle-rock")
+    known, numbers = derivatives_of(scene).slopes, scene_numbers(scene)
+    own, time = sensitivity(problem(scene)), math.sqrt(scene.can.radius / scene.gravity)
+    # of the quantity: its unit, and the power of the time in it
+    units = {"period": (1.0, 1), "angle_of_turn": (math.degrees(1.0), 0), "peak_psi_dot": (1.0, -1)}
+    for name, key in NAMES.items():
+        factor, power = units.get(name, (1.0, 0))
+        slopes = dict(zip(own.by, own.derivatives[name] * factor * time**power, strict=True))
+        for rate in ("phi_dot", "psi_dot", "theta_dot"):
+            expected = slopes[rate] * time
+            assert known[key][f"release.{rate}"] == pytest.approx(expected, rel=1e-14, abs=0)
+        assert known[key]["release.phi"] == pytest.approx(slopes["phi"], rel=1e-14)
+        for group in "ach":
+            assert known[key][f"can.{group}"] == pytest.approx(slopes[group], rel=1e-14)
+        # rates, and 1/time, in proportion to each other and to sqrt(g/R)
+        rates = sum(
+            numbers[f"release.{rate}"] * (known[key][f"release.{rate}"] or 0.0)
+            for rate in ("psi_dot", "theta_dot")
+        )
+        by_time = power * own.values[name] * factor * time**power + rates
+        size = abs(own.values[name] * factor * time**power) + abs(rates)
+        by_radius = (known[key]["can.radius"] or 0.0) * scene.can.radius
+        by_gravity = (known[key]["gravity"] or 0.0) * scene.gravity
+        assert by_radius == pytest.approx(by_time / 2, abs=1e-14 * size)
+        assert by_gravity == pytest.approx(-by_time / 2, abs=1e-14 * size)
 
 
 def test_every_constant_of_a_declared_effect_has_a_key() -> None:

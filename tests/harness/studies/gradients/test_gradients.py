@@ -30,6 +30,7 @@ from harness.studies.gradients.design import (
     value_of,
     with_setting,
 )
+from harness.studies.gradients.findings import AT_BOUND
 from harness.studies.gradients.settings import SettingChange
 from harness.studies.gradients.study import GradientsStudy
 from harness.studies.study import Results, run_study
@@ -98,6 +99,25 @@ def test_what_is_changed_is_changed_by_its_unit() -> None:
     slipping = replace(GENTLE, effects=Effects(slip=Slip(mu=0.3)))
     assert keys_of(slipping, ()) == ("effects.slip.mu",)
     assert plan.steps == tuple(float(f"1e-{power}") for power in range(1, 10))
+
+
+def test_steps_beyond_the_range_of_a_number_are_left_out() -> None:
+    """Of a hoop `c` is near its bound, of a lamina at it, where no difference has two sides."""
+    hoop = plan_gradients(load("hoop"), ("reference",), "quick")
+    assert hoop.steps_of("can.h") == hoop.steps
+    assert hoop.steps_of("can.c") == tuple(step for step in hoop.steps if step <= 1e-3)
+    lamina = plan_gradients(load("lamina-moments"), ("reference",), "own")
+    plan = replace(lamina, keys=("release.psi_dot", "can.c"))
+    assert plan.steps_of("can.c") == ()
+    study = GradientsStudy(plan=plan)
+    done = run_study(study)
+    verdicts = {each.key: each.verdict for each in study.differences(done)}
+    assert verdicts["release.psi_dot"].status is Status.AGREES
+    assert str(verdicts["can.c"]) == f"not judged: {AT_BOUND}"
+    assert study.report(done)
+    # the exponent of a linear spring is the least there is
+    soft = plan_gradients(load("soft-rock"), ("reference",), "quick")
+    assert soft.steps_of("effects.compliance.exponent") == ()
 
 
 def test_a_scene_without_a_bounce_is_refused() -> None:
