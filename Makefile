@@ -20,6 +20,9 @@ validate: $(VENV)/ready
 engines: $(ENGINES_VENV)/ready
 	$(ENGINES_VENV)/bin/rockingcan validate --suite full --engine all --out reports/engines
 
+# as the program has it: see rockingcan.py
+export OPENBLAS_NUM_THREADS ?= 1
+
 # tests run in as many processes as there are cores, a file in one of them
 TESTS = bin/python -m pytest -n auto --maxprocesses 8 --dist loadscope --no-loadscope-reorder
 PYTEST = $(VENV)/$(TESTS)

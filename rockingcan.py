@@ -5,8 +5,13 @@ and Python looks in the folders of PYTHONPATH first, and with `python -m` in the
 started. So this module stands beside the packages under a name that nothing else has, and looks
 where they are found before it imports one. They take a second to import, in which a signal may
 come: so signals are heard before.
+
+It also settles, before numpy is imported, that linear algebra has one thread in a process. The
+matrices are small, and the cores are taken by cases: threads would wait for each other, at ten
+times the processor time on a busy machine, and sums would depend on how many cores there are.
 """
 
+import os
 import sys
 from importlib.util import find_spec
 from pathlib import Path
@@ -20,6 +25,7 @@ def main() -> None:
     if reason := _not_linux() or _shadowed():
         sys.stderr.write(f"rockingcan: {reason}\n")
         sys.exit(_WRONG_USE)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from harness.execution.signals import exit_on_signal  # noqa: PLC0415 - it is the right one now
 
     exit_on_signal("interrupted before it began")

@@ -39,6 +39,27 @@ def test_on_another_system_it_says_so_and_imports_nothing(platform: str, tmp_pat
     assert message.count("\n") == 1
 
 
+@pytest.mark.parametrize(("given", "threads"), [(None, 1), ("2", 2)])
+def test_linear_algebra_has_one_thread_unless_the_user_says_otherwise(
+    given: str | None, threads: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    if given is not None:
+        monkeypatch.setenv("OPENBLAS_NUM_THREADS", given)
+    # threads that numpy starts when it is imported are there at the end
+    program = (
+        "import atexit, os, sys, rockingcan\n"
+        "sys.argv = ['rockingcan', 'scenes', '--json']\n"
+        "def told():\n"
+        "    import numpy\n"
+        "    print(len(os.listdir('/proc/self/task')), file=sys.stderr)\n"
+        "atexit.register(told)\n"
+        "rockingcan.main()"
+    )
+    code, _, message = started(tmp_path, "-c", program)
+    assert (code, int(message)) == (0, min(threads, os.cpu_count() or 1))
+
+
 @pytest.mark.parametrize("module", ["rockingcan", "harness"])
 def test_folders_of_the_user_that_are_no_packages_are_in_nobodys_way(
     module: str, tmp_path: Path
