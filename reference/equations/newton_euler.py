@@ -141,7 +141,8 @@ class GeneralEquations:
 
     def normal_reaction(self, y: Floats, mode: Mode) -> Floats:
         """Return the normal force that keeps the rim on the plane, times sin phi, shape (n,)."""
-        return self._contact(mode, self._setting(y, mode), self._law(y, mode)).force[2]
+        found = self._contact(mode, self._setting(y, mode), self._law(y, mode))
+        return np.asarray(found.force[2])
 
     def begun(self, y: Floats, mode: Mode, motion: Floats) -> Contact:
         """Return the same of a patch at rest that begins to move: with the friction of `motion`.

@@ -44,7 +44,7 @@ CANS = {
 class Fall:
     """The end of a fall, with the ratio and the exponent that its can has on the manifold."""
 
-    outcome: Outcome
+    outcome: Outcome | None
     end: np.ndarray
     path: SegmentsPath
     exponent: float
