@@ -79,6 +79,9 @@ class Mode:
     runs : int
         Sense of theta', in which the contact point runs along the rim, where that meets dry
         friction; 0 where friction holds it, and where there is none.
+    creeps : bool
+        Whether the contact point of a can that falls on its face runs as dry friction along the
+        rim, with next to no normal force, lets it (`reference.equations.creeping`).
     lands : bool
         Whether fluid below a can that falls flat has stopped the contact point: theta' = 0.
     rests : bool
@@ -91,6 +94,7 @@ class Mode:
     slips: bool = False
     turns: int = 0
     runs: int = 0
+    creeps: bool = False
     lands: bool = False
     rests: bool = False
     flies: bool = False

@@ -32,6 +32,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reference.equations.contact_laws import Contact, Mode
+from reference.equations.creeping import NORMAL_FORCE, pushed, rate_of_normal_force
 from reference.equations.dissipation import along_the_rim, moment_of_fluid
 from reference.equations.frames import applied, cross, dot, length, to_body, to_level, to_precessing
 from reference.equations.patch_friction import friction_of_patch
@@ -131,11 +132,17 @@ class GeneralEquations:
             rows += [TIME]
         if mode.slips:
             rows += [U1, U2]
-        return np.array(rows)
+        return np.array([*rows, NORMAL_FORCE] if mode.creeps else rows)
 
     def contact(self, y: Floats, mode: Mode) -> Contact:
         """Return force and accelerations at the contact, from states of shape (13, n)."""
-        return self._contact(mode, self._setting(y, mode), self._law(y, mode))
+        found = self._contact(mode, self._setting(y, mode), self._law(y, mode))
+        return pushed(found, y) if mode.creeps else found
+
+    def normal_reaction(self, y: Floats, mode: Mode) -> Floats:
+        """Return the normal force that keeps the rim on the plane, times sin phi, shape (n,)."""
+        found = self._contact(mode, self._setting(y, mode), self._law(y, mode))
+        return np.asarray(found.force[2])
 
     def begun(self, y: Floats, mode: Mode, motion: Floats) -> Contact:
         """Return the same of a patch at rest that begins to move: with the friction of `motion`.
@@ -155,7 +162,10 @@ class GeneralEquations:
         """Rates of all rows in sigma, shape (13, n); zero without `along` of what nothing needs."""
         here = self._setting(y, mode)
         contact = self._contact(mode, here, self._law(y, mode))
-        return self._rates(y, mode, here, contact, along=along)
+        out = self._rates(y, mode, here, contact, along=along)
+        if mode.creeps:
+            out[NORMAL_FORCE] = rate_of_normal_force(self, y, mode, out)
+        return out
 
     def _rates(
         self, y: Floats, mode: Mode, here: Setting, contact: Contact, *, along: bool
@@ -247,6 +257,7 @@ class GeneralEquations:
             arm_rate=through + at.S * cross(turning, arm),
             gravity=to_body(to_precessing(constant, cos, sin), at) + shaking,
             shaking=shaking,
+            moment=e.contour * mode.runs * y[NORMAL_FORCE] if mode.creeps else zero,
         )
 
     def _rim_velocity(self, y: Floats, mode: Mode) -> Floats:
@@ -315,7 +326,7 @@ class GeneralEquations:
             law[[SLIP_1, SLIP_2]] = -self.mu * y[[U1, U2]] / length(y[U1], y[U2])
         if e.drilling and mode.turns:
             law[TURNING_Z] = -e.drilling * mode.turns
-        if e.contour and mode.runs:
+        if e.contour and mode.runs and not mode.creeps:
             law[ROLLING_1] = e.contour * mode.runs / Angles.of(y[LEAN]).S
         if e.rolling_resistance and not mode.rests:
             level = to_level(y[TURN], Angles.of(y[LEAN]))[:2]
@@ -340,6 +351,8 @@ class GeneralEquations:
     def _contact(self, mode: Mode, here: Setting, law: Floats) -> Contact:
         at, w, on_rim = here.at, here.turning, self._held_on_rim(mode)
         start, mobility = self._free(here, mode)
+        if mode.creeps:
+            start = start + mobility[:, :, ROLLING_1].T * here.moment
         held = [NORMAL]
         if not mode.slips:
             held = [SLIP_1, SLIP_2, NORMAL]
@@ -375,6 +388,8 @@ class GeneralEquations:
         both[held] = 0.0
         if on_rim:
             both[ROLLING_1] = -w[0] * w[1]
+        if mode.creeps:
+            wrench[ROLLING_1] += here.moment
         return Contact(
             force=wrench[3:],
             moment=wrench[:3],

@@ -13,7 +13,11 @@ from reference.problem.states import Floats
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Setting:
-    """Position and motion of the body, in frame B; vectors of shape (3, n)."""
+    """Position and motion of the body, in frame B; vectors of shape (3, n).
+
+    `moment`, shape (n,), is along the horizontal direction of the lean, times S: that of dry
+    friction along the rim where the normal force is a state (`reference.equations.creeping`).
+    """
 
     at: Angles
     mass: float
@@ -25,6 +29,7 @@ class Setting:
     arm_rate: Floats
     gravity: Floats
     shaking: Floats
+    moment: Floats
 
 
 def body_of(p: Parameters, e: Effects, theta: Floats) -> tuple[float, Floats, Floats]:

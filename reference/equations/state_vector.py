@@ -78,7 +78,7 @@ def sizes(rows: Index, y: Floats, patch: float = 0.0) -> Floats:
     Parameters
     ----------
     rows : ndarray of int
-        U1 and U2, if they are there, last.
+        U1 and U2, if they are there, last; U1 alone is a normal force.
     y : ndarray, shape (rows, n)
     patch : float
         Radius of the patch of contact, whose turning has a friction as its slip has.
@@ -87,6 +87,8 @@ def sizes(rows: Index, y: Floats, patch: float = 0.0) -> Floats:
     turns = (rows >= W1) & (rows <= W3)
     turning = np.abs(y[turns]).max(axis=1, keepdims=True)
     size[turns] = np.maximum(turning, FLOOR * (1 + turning.max()))
+    if rows[-1] == U1:
+        size[-1] = np.maximum(1.0, np.abs(y[-1]))
     if rows[-1] == U2:
         size[-2:] = np.maximum(np.hypot(y[-2], y[-1]), LEAST_SLIP)
         if patch:

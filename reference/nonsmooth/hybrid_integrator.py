@@ -22,6 +22,7 @@ from reference.equations.state_vector import (
     tail_of,
 )
 from reference.nonsmooth import stopping
+from reference.nonsmooth.creep import creeping, creeps, crept
 from reference.nonsmooth.events import ENDINGS, EXTREMA, Event, EventKind, events
 from reference.nonsmooth.level_spin import HARDLY
 from reference.nonsmooth.radau_iia import (
@@ -292,6 +293,11 @@ class HybridIntegrator:
 
     def _switch(self, event: Event | None) -> None:
         """Change the law or end the motion, at an event."""
+        if event is not None and self._mode.creeps:
+            self._y = crept(self._equations, self._y, self._mode, event.what)
+            if event.what is EventKind.FLAT:
+                self._pieces.append(self._standing())
+            self._now = ModeTransition(mode=replace(self._mode, creeps=False))
         if event is not None and event.what in ENDINGS:
             self.watch.end(float(self._y[TIME]), ENDINGS[event.what])
         elif event is not None and event.what is EventKind.SLIPS:
@@ -324,6 +330,9 @@ class HybridIntegrator:
             self._go_on(begin(self._equations, self._y, mode))
             if rests:
                 self._turned(before=before)
+        elif not mode.creeps and creeps(self._equations, self._y, mode):
+            self._y = creeping(self._equations, self._y, mode)
+            self._go_on(ModeTransition(mode=replace(mode, creeps=True)))
 
     def _turned(self, *, before: float) -> None:
         """Report an extremum where phi comes to rest, or begins to move."""

@@ -8,16 +8,13 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from reference import PAPER_CAN, EffectError, Effects, Outcome, Problem, Solution, solve
+from reference import PAPER_CAN, EffectError, Effects, Outcome, Problem, solve
 from reference.analysis.sensitivity import NO_TANGENT, sensitivity
-from reference.equations.contact_laws import Mode
-from reference.equations.newton_euler import GeneralEquations
-from reference.equations.state_vector import DISSIPATED, SUPPLIED
 from reference.nonsmooth.segments import SegmentsPath
 from reference.problem.can import Parameters
 from reference.solver import SolverError
+from tests.support.contour_friction import UP, balance, body
 
-UP = np.array([0.0, 0.0, 1.0])
 LOCUS = frozenset({"contact_locus"})
 DISK = Parameters(a=0.25 + 0.17**2 / 3, c=0.5, h=0.17)
 # Near steady rolling about a centre at rest, psi'^2 sin(phi) = 4 for a thin disk.
@@ -31,51 +28,6 @@ LAWS = {
     "boundary layers": Effects(boundary_layer=1e-3),
     "all": Effects(contour=2e-3, contour_damping=1e-3, film=1e-4, boundary_layer=5e-4),
 }
-
-
-def cross(v: np.ndarray) -> np.ndarray:
-    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
-
-
-def force_on_theta(e: Effects, rate: float, sine: float) -> tuple[float, float]:
-    """Return the part of F that is proportional to N, and the rest, from the laws themselves."""
-    fluid = e.contour_damping * rate + e.film * rate / sine
-    fluid += e.boundary_layer * math.sqrt(abs(rate)) * rate
-    return -e.contour * math.copysign(1.0, rate), -fluid
-
-
-def body(y: np.ndarray, e: Effects) -> np.ndarray:
-    """Rates of centre, quaternion, velocity and angular velocity in the world.
-
-    The rim's material rests at the contact (three constraints on accelerations, their multipliers
-    the force); the virtual work of F on theta is a moment along a horizontal line.
-    """
-    p = DISK
-    rotation = Rotation.from_quat(y[3:7])
-    axis, w = rotation.apply(UP), y[10:13]
-    cosine, sine = axis[2], math.hypot(axis[0], axis[1])
-    turned = np.cross(w, axis)
-    in_plane, sine_rate = (UP - cosine * axis) / sine, -cosine * turned[2] / sine
-    in_plane_rate = (-turned[2] * axis - cosine * turned - sine_rate * in_plane) / sine
-    arm, arm_rate = -in_plane - p.h * axis, -in_plane_rate - p.h * turned
-    level = (cosine * UP - axis) / sine
-    # w = psi' z + phi' e + theta' axis with e and z across `level`, and axis.level = -sin(phi)
-    rate = -float(w @ level) / sine
-    dry, fluid = force_on_theta(e, rate, sine)
-    frame = rotation.as_matrix()
-    inertia = frame @ np.diag([p.a, p.a, p.c]) @ frame.T
-    matrix, right = np.zeros((9, 9)), np.zeros(9)
-    matrix[:3, :3], matrix[:3, 6:] = np.eye(3), -np.eye(3)
-    right[:3] = -UP
-    matrix[3:6, 3:6], matrix[3:6, 6:] = inertia, -cross(arm)
-    matrix[3:6, 8] += level * dry / sine
-    right[3:6] = -np.cross(w, inertia @ w) - level * fluid / sine
-    matrix[6:, :3], matrix[6:, 3:6] = np.eye(3), -cross(arm)
-    right[6:] = -np.cross(w, arm_rate)
-    solved = np.linalg.solve(matrix, right)
-    x, yy, z, s = y[3:7]
-    spin = np.array([[s, z, -yy], [-z, s, x], [yy, -x, s], [-x, -yy, -z]])
-    return np.concatenate([y[7:10], 0.5 * spin @ w, solved[:6]])
 
 
 def started(problem: Problem) -> np.ndarray:
@@ -100,7 +52,7 @@ def test_a_body_of_six_degrees_of_freedom_moves_the_same(name: str) -> None:
     assert ours.outcome is Outcome.FINISHED
     times = np.linspace(0.0, problem.duration or 0.0, 40)
     theirs = solve_ivp(
-        lambda _t, y: body(y, effects),
+        lambda _t, y: body(y, effects, DISK),
         (0.0, times[-1]),
         started(problem),
         "DOP853",
@@ -115,16 +67,6 @@ def test_a_body_of_six_degrees_of_freedom_moves_the_same(name: str) -> None:
     # what the tolerance of DOP853 leaves after some turns
     assert np.abs(phi - states.phi).max() < 1e-10
     assert np.abs(psi - states.psi).max() < 1e-9
-
-
-def balance(found: Solution) -> float:
-    """Return how much of the energy is neither there nor lost."""
-    assert isinstance(found.path, SegmentsPath)
-    rows, _ = found.path.rows(np.linspace(0.0, found.t_end, 300))
-    equations = GeneralEquations(parameters=found.problem.parameters, effects=found.problem.effects)
-    energy = equations.energy(rows, Mode(slips=found.problem.effects.mu is not None))
-    assert (np.diff(rows[DISSIPATED]) > -1e-16).all()
-    return float(np.ptp(energy + rows[DISSIPATED] - rows[SUPPLIED]))
 
 
 @pytest.mark.parametrize("name", LAWS)

@@ -116,6 +116,6 @@ def test_a_random_scene_comes_out(seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1100, 1252, 1387, 1406, *range(1005, 2000, 10)])
+@pytest.mark.parametrize("seed", [1100, 1252, 1387, 1406, 1463, *range(1005, 2000, 10)])
 def test_another_random_scene_comes_out(seed: int) -> None:
     check(seed)
