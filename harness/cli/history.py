@@ -27,7 +27,9 @@ def history(  # noqa: PLR0917 - a parameter an option
             metavar="V,V,...", help="Released versions, or 'all' that have a wheel for this Python."
         ),
     ],
-    suite: Annotated[str, typer.Option(help="quick, full or field: see `validate`.")] = "quick",
+    suite: Annotated[
+        str, typer.Option(help="quick, full, field or contact: see `validate`.")
+    ] = "quick",
     scene: Annotated[
         list[str] | None,
         typer.Option(help="A scene of the suite to run; repeat it. All of them if left out."),

@@ -104,7 +104,11 @@ def with_spread(
 def submit(  # noqa: PLR0917 - a parameter an option
     engine: options.EngineName,
     suite: Annotated[
-        str, typer.Option(help="quick: a minute or so; full: long ladders; field: what users ask.")
+        str,
+        typer.Option(
+            help="quick: a minute or so; full: long ladders; field: what users ask; "
+            "contact: impacts, and a contact that gives way."
+        ),
     ] = "quick",
     set_: Annotated[
         list[str] | None,

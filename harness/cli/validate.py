@@ -60,7 +60,7 @@ def validate(  # noqa: PLR0917 - a parameter an option
         str,
         typer.Option(
             help="quick: a minute or so; full: long ladders, causes, three errors; "
-            "field: what users complain of.",
+            "field: what users complain of; contact: impacts, and a contact that gives way.",
         ),
     ] = "quick",
     engine: options.EngineNames = None,

@@ -51,16 +51,20 @@ _FULL: Mapping[str, Ladder] = MappingProxyType(
     }
 )
 
-_IN_THE_FIELD = (1e-3, 1e-4)
+_LOST_AND_FOUND = ("dropped-can", "thrown-up", "falls-flat", "soft-rock")
+
+_COARSE = (1e-3, 1e-4)
 
 SUITES: Mapping[str, Mapping[str, Ladder]] = MappingProxyType(
     {
         "quick": _QUICK,
         "full": _FULL,
-        "field": MappingProxyType(dict.fromkeys(field_names(), _IN_THE_FIELD)),
+        "field": MappingProxyType(dict.fromkeys(field_names(), _COARSE)),
+        "contact": MappingProxyType(dict.fromkeys(_LOST_AND_FOUND, _COARSE)),
     }
 )
-"""Timesteps of profile `matched` by suite and scene, s."""
+"""Timesteps of profile `matched` by suite and scene, s. The scenes of "contact" have impacts, or a
+contact that gives way; those of "quick" and "full" a rigid contact that is kept."""
 
 
 def suite_cases(
