@@ -49,18 +49,18 @@ def quaternion(phi: ArrayLike, psi: ArrayLike, theta: ArrayLike) -> Floats:
     ndarray, shape (..., 4)
         Unit quaternion, scalar first.
     """
-    phi, psi, theta = np.broadcast_arrays(phi, psi, theta)
+    single = all(isinstance(angle, float) for angle in (phi, psi, theta))
+    if not single:
+        phi, psi, theta = np.broadcast_arrays(phi, psi, theta)
     half_sum, half_difference = (psi + theta) / 2.0, (psi - theta) / 2.0
     cos, sin = np.cos(phi / 2.0), np.sin(phi / 2.0)
-    return np.stack(
-        (
-            cos * np.cos(half_sum),
-            sin * np.sin(half_difference),
-            -sin * np.cos(half_difference),
-            cos * np.sin(half_sum),
-        ),
-        axis=-1,
+    components = (
+        cos * np.cos(half_sum),
+        sin * np.sin(half_difference),
+        -sin * np.cos(half_difference),
+        cos * np.sin(half_sum),
     )
+    return np.array(components) if single else np.stack(components, axis=-1)
 
 
 def _components(array: ArrayLike) -> list[Any]:
