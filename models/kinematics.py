@@ -49,18 +49,18 @@ def quaternion(phi: ArrayLike, psi: ArrayLike, theta: ArrayLike) -> Floats:
     ndarray, shape (..., 4)
         Unit quaternion, scalar first.
     """
-    phi, psi, theta = np.broadcast_arrays(phi, psi, theta)
+    single = all(isinstance(angle, float) for angle in (phi, psi, theta))
+    if not single:
+        phi, psi, theta = np.broadcast_arrays(phi, psi, theta)
     half_sum, half_difference = (psi + theta) / 2.0, (psi - theta) / 2.0
     cos, sin = np.cos(phi / 2.0), np.sin(phi / 2.0)
-    return np.stack(
-        (
-            cos * np.cos(half_sum),
-            sin * np.sin(half_difference),
-            -sin * np.cos(half_difference),
-            cos * np.sin(half_sum),
-        ),
-        axis=-1,
+    components = (
+        cos * np.cos(half_sum),
+        sin * np.sin(half_difference),
+        -sin * np.cos(half_difference),
+        cos * np.sin(half_sum),
     )
+    return np.array(components) if single else np.stack(components, axis=-1)
 
 
 def _components(array: ArrayLike) -> list[Any]:
@@ -237,12 +237,12 @@ def _turned(quaternion: ArrayLike, vector: ArrayLike, sign: float) -> Floats:
     a, b, c = _components(vector)
     x, y, z = sign * x, sign * y, sign * z
     p, q, r = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
-    first = a + w * p + (y * r - z * q)
-    turned = np.empty((*np.shape(first), 3))
-    turned[..., 0] = first
-    turned[..., 1] = b + w * q + (z * p - x * r)
-    turned[..., 2] = c + w * r + (x * q - y * p)
-    return turned
+    turned = (
+        a + w * p + (y * r - z * q),
+        b + w * q + (z * p - x * r),
+        c + w * r + (x * q - y * p),
+    )
+    return np.array(turned) if isinstance(turned[0], float) else np.stack(turned, axis=-1)
 
 
 RESOLVED_STEP = np.pi / 2.0

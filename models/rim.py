@@ -34,9 +34,16 @@ def contact_offset(can: Can, phi: ArrayLike, psi: ArrayLike, *, arc: float = 0.0
     ndarray, shape (..., 3)
         In world coordinates, m.
     """
+    R, below = can.radius - arc, can.half_height - arc
+    if isinstance(phi, float) and isinstance(psi, float):  # probes ask for one at a time
+        sin, cos, along, across = np.array(
+            (np.sin(phi), np.cos(phi), np.cos(psi), np.sin(psi))
+        ).tolist()
+        H = -below if cos < 0.0 else below
+        outwards, down = H * sin - R * cos, -R * sin - H * cos - arc
+        return np.array((outwards * along, outwards * across, down))
     phi, psi = np.broadcast_arrays(phi, psi)
     sin, cos = np.sin(phi), np.cos(phi)
-    R, below = can.radius - arc, can.half_height - arc
     H = np.where(cos < 0.0, -below, below)
     outwards, down = H * sin - R * cos, -R * sin - H * cos - arc
     return np.stack((outwards * np.cos(psi), outwards * np.sin(psi), down), axis=-1)

@@ -55,7 +55,7 @@ from harness.engines.stepping.physics_engine import ErrorControlledEngine, Physi
 from harness.engines.stepping.recording import Chunk, SamplingInterval, record, trajectory_of
 from harness.engines.stepping.schedule import ETA_SETTING, Adaptive, Fixed, Schedule, Stage
 from harness.engines.stepping.settling import AT_REST, above_origin, pressed_distance, settle
-from harness.engines.world import Collision, Contact, World
+from harness.engines.world import NO_POINTS, Collision, Contact, World
 
 __all__ = [
     "AT_REST",
@@ -63,6 +63,7 @@ __all__ = [
     "ETA_SETTING",
     "FRICTIONS",
     "MESH_SETTING",
+    "NO_POINTS",
     "PROFILES",
     "SMALLEST_TILT",
     "TIMESTEP",

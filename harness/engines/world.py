@@ -51,6 +51,10 @@ class Collision:
     depths: Floats
 
 
+NO_POINTS = Collision(points=np.empty((0, 3)), normals=np.empty((0, 3)), depths=np.empty(0))
+"""What a collider finds of a can that touches nothing."""
+
+
 class World(Protocol):
     """A compiled engine model: one can, one plane, and a timestep that can change between steps."""
 

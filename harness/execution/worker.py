@@ -359,20 +359,41 @@ def _relations(age: float) -> _Relations:
     with _lock:
         if time.monotonic() - _listed[0] >= age:
             relations = {}
-            with suppress(OSError, psutil.Error):
-                for process in psutil.process_iter():
-                    with suppress(OSError, psutil.Error):  # it has gone meanwhile
-                        relations[process.pid] = process.ppid(), os.getpgid(process.pid)
+            with suppress(OSError):
+                # names alone: of paths a listing takes three times as long
+                for process in filter(str.isdecimal, os.listdir(_PROCESSES)):  # noqa: PTH208
+                    with suppress(OSError):  # it has gone meanwhile
+                        # after the name, which may hold anything: state, parent, group
+                        told = _told(process, "stat").rpartition(b")")[2].split(maxsplit=3)
+                        relations[int(process)] = int(told[1]), int(told[2])
             _listed = time.monotonic(), relations
         return _listed[1]
 
 
+_PROCESSES = "/proc"
+_PAGE = os.sysconf("SC_PAGE_SIZE")
+
+
+def _told(process: int | str, what: str) -> bytes:
+    """Return what the system tells of a process: a tenth of the time that psutil takes.
+
+    Raises
+    ------
+    OSError
+        If the process is gone.
+    """
+    file = os.open(f"{_PROCESSES}/{process}/{what}", os.O_RDONLY)
+    try:
+        return os.read(file, 4096)  # they are some hundred bytes
+    finally:
+        os.close(file)
+
+
 def _memory(process: int, *, share: bool = False) -> int:
     """Return the bytes that a process has in memory, or its share of them; zero if it is gone."""
-    with suppress(OSError, psutil.Error):
-        known = psutil.Process(process)
-        if share:
-            with suppress(OSError, psutil.Error, AttributeError):  # where it is not to be known
-                return int(known.memory_full_info().pss)
-        return int(known.memory_info().rss)
+    if share:
+        with suppress(OSError, psutil.Error, AttributeError):  # where it is not to be known
+            return int(psutil.Process(process).memory_full_info().pss)
+    with suppress(OSError):
+        return int(_told(process, "statm").split()[1]) * _PAGE
     return 0

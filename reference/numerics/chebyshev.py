@@ -61,8 +61,10 @@ def waves(n: int, x: Floats) -> Floats:
 def clenshaw(coefficients: Floats, x: Floats) -> Floats:
     """Value of Chebyshev series, coefficients of shape (terms, ...) broadcast against x."""
     x2 = 2 * x
-    b1 = np.zeros(np.broadcast_shapes(coefficients.shape[1:], x.shape))
-    b2 = np.zeros_like(b1)
+    b1, b2, spare = np.zeros((3, *np.broadcast_shapes(coefficients.shape[1:], x.shape)))
     for row in coefficients[:0:-1]:
-        b1, b2 = x2 * b1 - b2 + row, b1
+        np.multiply(x2, b1, out=spare)  # arrays written over: new ones leave the processor's cache
+        spare -= b2
+        spare += row
+        b1, b2, spare = spare, b1, b2
     return np.asarray(x * b1 - b2 + coefficients[0])

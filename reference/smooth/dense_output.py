@@ -145,13 +145,31 @@ class ElementsPath:
         # on that of the threads among which a library of linear algebra shares so large a product
         series = values[:, used].transpose(1, 0, 2) @ to_coefficients(n).T
         slopes = series[:, TIME : TIME + 1] @ derivative(n).T
-        coefficients = series[which].transpose(2, 1, 0)
-        x = _instant(coefficients[:, TIME], slopes[which, 0].T, values[TIME, step], times)
+        # what round-off leaves of the sum of the series of time
+        rounded = EPS * np.abs(series[:, TIME]).sum(axis=1)[which]
+        if times.size > FEW:  # summed term by term, each of them at all places side by side
+            coefficients = series.transpose(2, 1, 0).take(which, axis=2)
+            slope = slopes[:, 0].T.take(which, axis=1)
+        else:
+            coefficients, slope = series[which].transpose(2, 1, 0), slopes[which, 0].T
+        x = _instant(coefficients[:, TIME], slope, rounded, values[TIME, step], times)
         return _states(_series(coefficients, x))
 
 
-def _instant(coefficients: Floats, slope: Floats, node_times: Floats, times: Floats) -> Floats:
-    """Solve t(x) = times on [-1, 1], each in its own step."""
+def _instant(
+    coefficients: Floats, slope: Floats, rounded: Floats, node_times: Floats, times: Floats
+) -> Floats:
+    """Solve t(x) = times on [-1, 1], each in its own step.
+
+    Parameters
+    ----------
+    coefficients, slope : ndarray, shape (terms, n)
+        Series of t and of its derivative.
+    rounded : ndarray, shape (n,)
+        What round-off leaves of the sum of the series of t.
+    node_times : ndarray, shape (n, nodes)
+    times : ndarray, shape (n,)
+    """
     n = node_times.shape[1]
     nodes = points(n)
     place = np.clip((node_times <= times[:, None]).sum(axis=1) - 1, 0, n - 2)
@@ -162,7 +180,7 @@ def _instant(coefficients: Floats, slope: Floats, node_times: Floats, times: Flo
     x = low + (high - low) * np.clip((times - t_low) / width, 0, 1)
     both = np.stack([coefficients, slope], axis=1)
     # what round-off leaves of the time, and of the sum of a series: below it a step means nothing
-    noise = np.maximum(np.spacing(times), EPS * np.abs(coefficients).sum(axis=0))
+    noise = np.maximum(np.spacing(times), rounded)
     for _ in range(MOST_ROUNDS):
         value, gradient = _series(both, x)
         excess = value - times

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import mujoco
 import numpy as np
 
-from harness.engines import Case, Collision, Contact, Value
+from harness.engines import NO_POINTS, Case, Collision, Contact, Value
 from harness.engines.mujoco.colliders import is_flag
 from harness.engines.mujoco.compiled_scene import CompiledScene
 from models.kinematics import to_body, to_world
@@ -74,6 +74,8 @@ class MujocoWorld(CompiledScene):
     def collision(self) -> Collision:
         """Return the contact points where the can is, without a step."""
         mujoco.mj_fwdPosition(self.model, self.data)
+        if not self.data.ncon:
+            return NO_POINTS
         contact = self.data.contact
         # the first axis of a contact's frame points from the first geom to the second, the can
         towards = np.where(contact.geom[:, 1] == self._geoms[0], 1.0, -1.0)

@@ -25,6 +25,7 @@ import numpy as np
 
 from harness.engines import (
     MESH_SETTING,
+    NO_POINTS,
     Case,
     Collision,
     Contact,
@@ -337,9 +338,11 @@ class PybulletWorld:
         """Return the contact points where the can is, without a step."""
         pybullet.performCollisionDetection(self.client)
         points = pybullet.getContactPoints(self.can, self.ground, physicsClientId=self.client)
+        if not points:
+            return NO_POINTS
         return Collision(
-            points=np.array([point[5] for point in points]).reshape(-1, 3),
-            normals=np.array([point[7] for point in points]).reshape(-1, 3),
+            points=np.array([point[5] for point in points]),
+            normals=np.array([point[7] for point in points]),
             depths=-np.array([point[8] for point in points]),
         )
 

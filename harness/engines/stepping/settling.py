@@ -138,13 +138,18 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
     # a collider larger than the can would start deep inside
     pose = lowered(pose, signed_distance(world))
     phi, psi, _ = angles(pose.quaternion)
-    offset = contact_offset(scene.can, phi, psi, arc=arc_of(scene.effects))
+    x, y, _ = contact_offset(scene.can, phi, psi, arc=arc_of(scene.effects)).tolist()
     load = scene.gravity * world.timestep  # what one step of falling free would gain, m/s
+
+    # scipy leaves its function in a cycle of references: without this the world would stay as well,
+    # until the collector of garbage comes, and PyBullet would take a new client for the next world
+    asked = [world]
 
     def rise(depth: float) -> float:
         """Return the upward velocity that a step gives to the material point that touches, m/s."""
-        after = stepped(world, lowered(pose, depth), twist).twist()
-        return float((after.velocity + np.cross(after.angular_velocity, offset))[2])
+        after = stepped(asked[0], lowered(pose, depth), twist).twist()
+        o_x, o_y, _ = after.angular_velocity.tolist()
+        return float(after.velocity[2]) + (o_x * y - o_y * x)
 
     # a velocity within round-off of the release's, or of that gained in one step, counts as rest
     rest = 1e-12 * float(np.linalg.norm(twist.velocity)) + 1e-9 * load
@@ -156,4 +161,5 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
             return 0.0, pose
         upper = min(4.0 * upper, deepest)
     depth = float(scipy.optimize.brentq(rise, 0.0, upper, xtol=1e-6 * upper))
+    asked.clear()
     return depth, lowered(pose, depth)
