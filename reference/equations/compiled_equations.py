@@ -8,6 +8,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, fields
 from functools import cache
 from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -44,8 +45,8 @@ IMPACTS = frozenset({"restitution"})
 
 
 @cache
-def _others(kind: type[Effects]) -> tuple[tuple[str, object], ...]:
-    """Return the effects that are not among the constants, each with its ideal limit."""
+def _others(kind: Any) -> tuple[tuple[str, object], ...]:
+    """Return the effects of a class that are not among the constants, each with its ideal limit."""
     return tuple((each.name, each.default) for each in fields(kind) if each.name not in CARRIED)
 
 
