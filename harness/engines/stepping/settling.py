@@ -149,7 +149,7 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
         """Return the upward velocity that a step gives to the material point that touches, m/s."""
         after = stepped(asked[0], lowered(pose, depth), twist).twist()
         o_x, o_y, _ = after.angular_velocity.tolist()
-        return float(after.velocity[2]) + (o_x * y - o_y * x)
+        return float(after.velocity[2] + (o_x * y - o_y * x))
 
     # a velocity within round-off of the release's, or of that gained in one step, counts as rest
     rest = 1e-12 * float(np.linalg.norm(twist.velocity)) + 1e-9 * load
