@@ -142,7 +142,7 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
     load = scene.gravity * world.timestep  # what one step of falling free would gain, m/s
 
     # scipy leaves its function in a cycle of references: without this the world would stay as well,
-    # until the collector of garbage comes, and PyBullet would take a new client for the next world
+    # until the collector of garbage comes, with what of its engine the next world could use again
     asked = [world]
 
     def rise(depth: float) -> float:
