@@ -8,7 +8,6 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, fields
 from functools import cache
 from math import inf
-from typing import Any
 
 import numpy as np
 
@@ -45,7 +44,7 @@ IMPACTS = frozenset({"restitution"})
 
 
 @cache
-def _others(kind: Any) -> tuple[tuple[str, object], ...]:
+def _others(kind: type[Effects]) -> tuple[tuple[str, object], ...]:
     """Return the effects of a class that are not among the constants, each with its ideal limit."""
     return tuple((each.name, each.default) for each in fields(kind) if each.name not in CARRIED)
 
@@ -92,7 +91,7 @@ class CompiledEquations:
 
         Effects named in `but` are not asked about.
         """
-        others = _others(type(effects))
+        others = _others(type(effects))  # type: ignore[arg-type] # a class is hashable
         return all(getattr(effects, name) == limit for name, limit in others if name not in but)
 
     @classmethod
