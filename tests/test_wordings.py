@@ -107,6 +107,10 @@ MADE: list[tuple[Exception, str]] = [
         ),
     ),
     (
+        errors.InvalidSettingError("method", "DOP853", "auto: it is not 'DOP853'"),
+        "setting 'method' cannot be 'DOP853'; allowed: auto: it is not 'DOP853'",
+    ),
+    (
         errors.UnsupportedEffectError("", "r", ["b", "a"]),
         "engine '' cannot represent the effect 'r' that the scene declares; engines that can: a, b",
     ),

@@ -241,7 +241,9 @@ class InvalidSettingError(HarnessError, ValueError):
 
     def __str__(self) -> str:
         """Return the value and the allowed values in a sentence."""
-        words = re.split(", | or ", self.allowed) if isinstance(self.value, str) else []
+        # what follows a colon is a reason
+        named = self.allowed.partition(": ")[0]
+        words = re.split(", | or ", named) if isinstance(self.value, str) else []
         hint = did_you_mean(str(self.value), words)
         return f"setting '{self.name}' cannot be {self.value!r}{hint} allowed: {self.allowed}"
 

@@ -157,6 +157,15 @@ def digest_of(plan: Mapping[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
+def _in_place_of(unknown: str) -> str:
+    """Return the quantities there are, or of an unknown derivative those of its quantity."""
+    of = unknown.partition("/")[0]
+    if alike := [name for name in DERIVATIVES if name.partition("/")[0] == of]:
+        return ", ".join(alike)
+    plain = ", ".join(name for name in QUANTITIES if name not in DERIVATIVES)
+    return f"{plain}, or a derivative such as d_angle_of_turn_deg/d_release.phi"
+
+
 def plan_sweep(
     scene: Scene,
     axes: Sequence[Axis],
@@ -183,9 +192,7 @@ def plan_sweep(
     asked = tuple(dict.fromkeys(quantities)) or DEFAULT
     for name in asked:
         if name not in QUANTITIES:
-            plain = ", ".join(each for each in QUANTITIES if each not in DERIVATIVES)
-            allowed = f"{plain}, or a derivative such as d_angle_of_turn_deg/d_release.phi"
-            raise InvalidSettingError("--quantity", name, allowed)
+            raise InvalidSettingError("--quantity", name, _in_place_of(name))
         if name in DERIVATIVES and engine != "reference":
             allowed = "of the reference only: an engine's runs have no exact derivative"
             raise InvalidSettingError("--quantity", name, allowed)

@@ -24,6 +24,13 @@ def test_a_sweep_has_a_billion_scenes_at_most() -> None:
     assert "1000000000" in caught.value.allowed
 
 
+def test_an_unknown_derivative_is_answered_with_those_of_its_quantity() -> None:
+    with pytest.raises(InvalidSettingError) as caught:
+        make_plan("gentle-rock", "release.psi_dot=1:2:2", quantities=("d_period_s/d_release.fi",))
+    assert "d_period_s/d_release.phi" in caught.value.allowed.split(", ")
+    assert all(name.startswith("d_period_s/") for name in caught.value.allowed.split(", "))
+
+
 def test_a_partition_has_32768_exact_bounces_or_256_runs() -> None:
     axis = "release.psi_dot=0.5:2:99999"
     assert make_plan("gentle-rock", axis).rows_per_partition == 32_768
