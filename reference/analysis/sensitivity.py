@@ -16,7 +16,7 @@ from reference.integrable.derivatives import NO_PATH, QUANTITIES, bounce_tangent
 from reference.integrable.exact_motion import ExactPath, exact_path
 from reference.integrable.tangents import BY
 from reference.numerics.jets import Jet
-from reference.problem.effects import ALONG_THE_RIM, Effects
+from reference.problem.effects import Effects
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 from reference.solver import solve
@@ -24,8 +24,8 @@ from reference.solver import solve
 # phi_max this near the balanced can, over phi_max, is beside a separatrix.
 NEAR = 1e-3
 NO_TANGENT = (
-    "The variational equations know no contact that gives way, no contour friction, no film of "
-    "air, no patch and no static friction above the kinetic: no derivative is given."
+    "The variational equations know no contact that gives way and no patch of contact: no "
+    "derivative is given."
 )
 HAS_IMPACTS = (
     "The can leaves the plane in its first bounce, or has none: the variational equations are "
@@ -63,9 +63,7 @@ class Sensitivity:
 
 def has_tangent(effects: Effects) -> bool:
     """Return whether the variational equations know every law of these effects."""
-    others = (effects.compliance, effects.mu_static)
-    along = (getattr(effects, name) for name in ALONG_THE_RIM)
-    return not (any(law is not None for law in others) or effects.patch or any(along))
+    return effects.compliance is None and not effects.patch
 
 
 def _stays_on_plane(problem: Problem) -> bool:

@@ -47,6 +47,7 @@ NO_BOUNCE = "the motion has no bounce"
 # A peak that was measured by sampling is this near, as a share of it.
 SAME_PEAK = 1e-6
 ANOTHER = "the peak could not be told from others"
+LETS_GO = "the rim slips from a static friction above the kinetic: its force jumps"
 KINK = "the peak is where the law of the contact changes, and differs on its two sides"
 
 
@@ -79,8 +80,15 @@ SCALARS = {
     "damping.linear": "linear_damping",
     "damping.angular": "angular_damping",
     "rim.radius": "rim",
+    "contour_friction.coulomb": "contour",
+    "contour_friction.viscous": "contour_damping",
+    "air_film.film": "film",
+    "air_film.boundary_layer": "boundary_layer",
 }
-"""Constants of effects that are one number of `Effects` each."""
+"""Constants of effects that are one number of `Effects` each; those of air as the equations have
+them, by its thickness."""
+NOT_AT_ZERO = frozenset({"contour_friction.coulomb", "air_film.film", "air_film.boundary_layer"})
+"""Those by which there is no derivative at zero: another law holds there."""
 OF_MASS = {"mass": "share", "x": "x", "y": "y", "z": "z"}
 OF_SHAKING = ("x", "y", "z", "rate", "phase")
 
@@ -88,7 +96,12 @@ OF_SHAKING = ("x", "y", "z", "rate", "phase")
 def constants(effects: Effects) -> tuple[str, ...]:
     """Return the constants of the declared effects, by the keys of a scene file, dimensionless."""
     declared = effects.declared()
-    names = [name for name in SCALARS if name.split(".")[0] in declared]
+    names = [
+        name
+        for name, field in SCALARS.items()
+        if name.split(".")[0] in declared
+        and not (name in NOT_AT_ZERO and getattr(effects, field) == 0.0)
+    ]
     if "tilt" in declared:
         names += ["tilt.angle", "tilt.direction"]
     if "shake" in declared:
@@ -246,6 +259,8 @@ def motion_tangents(problem: Problem) -> tuple[tuple[str, ...], dict[str, Jet], 
     if not solution.bounces or not isinstance(path, SegmentsPath):
         reason = f"{NO_BOUNCE}: {solution.outcome.value.rstrip('.')}"
         return by, {}, dict.fromkeys(QUANTITIES, reason)
+    if problem.effects.mu_static and any(piece.mode.slips for piece in path.pieces):
+        return by, {}, dict.fromkeys(QUANTITIES, LETS_GO)
     motion = tangent_motion(problem, path, by)
     jets: dict[str, Jet] = {}
     why: dict[str, str] = {}

@@ -14,7 +14,8 @@ collocation that made it (`reference.nonsmooth.radau_iia`), with a matrix for Ne
 The time is a state, t' = S. The difference d of two motions at the same sigma becomes their
 difference at the same time, d - f d_t/S.
 
-Where something comes to rest (a slip, a turning that friction holds) the law changes, f jumps from
+Where something comes to rest or turns round (a slip, a turning that friction holds, the contact
+point on the rim) the law changes, f jumps from
 f- to f+, and a disturbed motion gets there at another sigma: later by the tau at which what comes
 to rest, G y, rests in it as well. So
 
@@ -212,7 +213,9 @@ def _held(equations: GeneralEquations, piece: Segment, start: Floats) -> Floats:
     mode, y = piece.mode, piece.start
     if not equations.moments_that_hold(mode):
         return start
-    G = _forms(y, turning=bool(equations.drilling and not mode.turns), level=mode.rests)
+    held = bool(equations.contour and not mode.runs)
+    turning = bool(equations.drilling and not mode.turns)
+    G = _forms(y, turning=turning, level=mode.rests, running=held)
     impulses = np.zeros((CORE.size, len(G)))
     velocities = [NUMBER[row] for row in (W1, W2, W3, U1, U2)]
     impulses[velocities] = equations.impulses(y, mode)
@@ -292,10 +295,18 @@ def _comes_to_rest(last: Segment, piece: Segment) -> Floats:
         slip=bool(before.slips and (not after.slips or still)),
         turning=bool(before.turns and after.turns != before.turns),
         level=after.rests and not before.rests,
+        running=bool(before.runs and after.runs != before.runs),
     )
 
 
-def _forms(y: Floats, *, slip: bool = False, turning: bool = False, level: bool = False) -> Floats:
+def _forms(
+    y: Floats,
+    *,
+    slip: bool = False,
+    turning: bool = False,
+    level: bool = False,
+    running: bool = False,
+) -> Floats:
     """Return derivatives of velocities of a state, shape (13,), in the rows `CORE`."""
     at, w = Angles.of(y[LEAN]), y[[W1, W3]]
     forms: list[dict[int, float]] = [{U1: 1.0}, {U2: 1.0}] if slip else []
@@ -309,6 +320,9 @@ def _forms(y: Floats, *, slip: bool = False, turning: bool = False, level: bool 
             {LEAN: float(by_lean), W1: float(at.C), W3: -float(at.S)},
             {W2: 1.0},
         ]
+    if running:
+        by_lean = at.S * at.C * w[1] + at.S * at.S * w[0]
+        forms.append({LEAN: float(by_lean), W1: -float(at.C), W3: float(at.S)})
     out = np.zeros((len(forms), CORE.size))
     for row, form in enumerate(forms):
         for index, weight in form.items():

@@ -222,7 +222,7 @@ class GeneralEquations:
         return bool(self.patch and not mode.slips) or bool(self.drilling and not mode.turns)
 
     def _held_on_rim(self, mode: Mode) -> bool:
-        return not mode.flies and (mode.lands or (self.contour > 0 and not mode.runs))
+        return not mode.flies and (mode.lands or (bool(self.contour) and not mode.runs))
 
     def _setting(self, y: Floats, mode: Mode) -> Setting:
         p, e, at = self.parameters, self.effects, Angles.of(y[LEAN])

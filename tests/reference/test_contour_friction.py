@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from reference import PAPER_CAN, EffectError, Effects, Outcome, Problem, solve
 from reference.analysis.sensitivity import NO_TANGENT, sensitivity
+from reference.analysis.tangent_motion import LETS_GO
 from reference.nonsmooth.segments import SegmentsPath
 from reference.problem.can import Parameters
 from reference.solver import SolverError
@@ -136,8 +137,18 @@ def test_a_smaller_model_is_refused() -> None:
         solve(replace(RELEASE, effects=LAWS["film"]), model="coulomb")
 
 
-@pytest.mark.parametrize("effects", [LAWS["dry"], LAWS["film"], Effects(mu=0.5, mu_static=0.6)])
-def test_derivatives_that_are_not_there_say_so(effects: Effects) -> None:
-    own = sensitivity(replace(RELEASE, duration=None, bounces=1, effects=effects))
+GENTLE = Problem(parameters=PAPER_CAN, phi=0.4, psi_dot=0.123, theta_dot=-0.0614, bounces=1)
+
+
+@pytest.mark.parametrize(
+    ("effects", "reason"),
+    [
+        (Effects(mu=0.5, patch=0.01), NO_TANGENT),
+        (Effects(mu=0.3, mu_static=0.35), LETS_GO),
+    ],
+    ids=["patch", "lets go"],
+)
+def test_derivatives_that_are_not_there_say_so(effects: Effects, reason: str) -> None:
+    own = sensitivity(replace(GENTLE, effects=effects))
     assert np.isnan(np.concatenate(list(own.derivatives.values()))).all()
-    assert set(own.why.values()) == {NO_TANGENT}
+    assert set(own.why.values()) == {reason}

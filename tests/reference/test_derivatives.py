@@ -172,14 +172,38 @@ def test_a_motion_that_comes_to_rest_on_the_way(
     pieces = path_of(problem).pieces
     modes = [(piece.mode.slips, piece.mode.turns) for piece in pieces]
     assert len({*modes}) == 2
+    hold_differences(problem, names, 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("theta_dot", "contour", "senses"),
+    [(0.05, 2e-3, [1, -1, 1]), (0.0, 5e-3, [0, -1]), (0.05, 0.02, [1, -1, 0])],
+    ids=["turns round twice", "is held at the release", "comes to rest"],
+)
+def test_a_contact_point_on_the_rim(theta_dot: float, contour: float, senses: list[int]) -> None:
+    """To 1e-9, and to 1e-8 where what is held lets go, which it does 2e-9 beyond its limit."""
+    rock = ROCK | {"theta_dot": theta_dot}
+    problem = Problem(parameters=PAPER_CAN, effects=Effects(contour=contour), **rock)
+    runs = [piece.mode.runs for piece in path_of(problem).pieces]
+    assert [each for each, before in zip(runs, [None, *runs], strict=False) if each != before] == (
+        senses
+    )
+    names = ("phi", "psi_dot", "a", "h", "contour_friction.coulomb")
+    hold_differences(problem, names, 1e-9 if senses[0] else 1e-8)
+
+
+def hold_differences(problem: Problem, names: tuple[str, ...], least: float) -> None:
+    """Hold derivatives to a share of what a change of a number by itself does, by differences."""
     known = sensitivity(problem)
-    step = 3e-5
+    assert not known.why
     for name in names:
+        # a coefficient of friction along the rim is small itself
+        step = 2e-6 if name == "contour_friction.coulomb" else 3e-5
         values = [measured(varied(problem, name, k * step)) for k in (-2, -1, 1, 2)]
         differences = (8 * (values[2] - values[1]) - (values[3] - values[0])) / (12 * step)
         slopes = [known.derivatives[each][known.by.index(name)] for each in QUANTITIES]
         sizes = np.abs(slopes) + np.abs([known.values[each] for each in QUANTITIES])
-        assert (np.abs(differences - slopes) / sizes).max() < 1e-9, name
+        assert (np.abs(differences - slopes) / sizes).max() < least, name
 
 
 def path_of(problem: Problem) -> SegmentsPath:

@@ -14,6 +14,7 @@ _OF_EFFECTS = {
     "damping.linear": "linear_damping",
     "damping.angular": "angular_damping",
     "rim.radius": "rim",
+    "contour_friction.coulomb": "contour",
 }
 
 

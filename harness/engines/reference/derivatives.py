@@ -34,6 +34,8 @@ RELEASE = ("phi", "psi_dot", "theta_dot", "phi_dot")
 CAN = ("a", "c", "h", "radius")
 SHAKE = ("frequency", "horizontal", "vertical", "direction", "phase")
 _RATES = ("phi_dot", "psi_dot", "theta_dot")
+NOT_AT_ZERO = ("effects.contour_friction.coulomb", "effects.air_film.density")
+"""Keys by which there is no derivative where they are zero."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,21 +79,26 @@ def derivatives_of(scene: Scene) -> Derivatives:
     by_key, time = _dimensionless(scene, numbers)
     by_scene = np.stack([by_key[each].slope for each in own.by])
     slopes: dict[str, Mapping[str, float | None]] = {}
+    absent = [key for key in NOT_AT_ZERO if numbers.get(key) == 0.0]
     for name in QUANTITIES:
         scale, power = _UNITS.get(name, (1.0, 0))
         unit = scale * time.value**power
         slope = unit * own.derivatives[name] @ by_scene
         slope = slope + own.values[name] * power * unit / time.value * time.slope
         slopes[NAMES[name]] = {
-            key: float(each) if np.isfinite(each) else None
+            key: float(each) if np.isfinite(each) and key not in absent else None
             for key, each in zip(numbers, slope, strict=True)
         }
     known = len(own.why) < len(NAMES)
+    caveats = [
+        f"By {key} there is no derivative where it is zero: another law holds there."
+        for key in absent
+    ]
     return Derivatives(
         slopes=slopes,
         why={NAMES[name]: sentence for name, sentence in own.why.items()},
         method=own.method if known else "none",
-        caveats=own.caveats if known else (),
+        caveats=(*own.caveats, *caveats) if known else (),
     )
 
 
@@ -210,6 +217,8 @@ def _dimensionless(scene: Scene, numbers: Mapping[str, float]) -> tuple[dict[str
         "damping.linear": lambda x: x * T,
         "damping.angular": lambda x: x * T,
         "rim.radius": lambda x: x / R,
+        "contour_friction.coulomb": lambda x: x,
+        "contour_friction.viscous": lambda x: x * T / scene.can.mass,
         "tilt.angle": lambda x: x,
         "tilt.direction": lambda x: x,
         "point_mass.mass": lambda x: x / scene.can.mass,
@@ -220,6 +229,13 @@ def _dimensionless(scene: Scene, numbers: Mapping[str, float]) -> tuple[dict[str
     for key, scale in scaled.items():
         if f"effects.{key}" in jets:
             out[key] = scale(jets[f"effects.{key}"])
+    if scene.effects.air_film is not None:
+        viscosity, density = (jets[f"effects.air_film.{name}"] for name in ("viscosity", "density"))
+        film = np.pi / 4 / scene.can.mass * viscosity * R * T
+        if density.value == 0.0:
+            out["air_film.film"] = film
+        else:
+            out["air_film.boundary_layer"] = film * R / jet_sqrt(viscosity * T / density)
     if scene.effects.shake is not None:
         shake = {field: jets[f"effects.shake.{field}"] for field in SHAKE}
         rate = 2 * np.pi * shake["frequency"]
