@@ -85,8 +85,7 @@ SCALARS = {
     "air_film.film": "film",
     "air_film.boundary_layer": "boundary_layer",
 }
-"""Constants of effects that are one number of `Effects` each; those of air as the equations have
-them, by its thickness."""
+"""Constants of effects that are one number of `Effects` each; of air as the equations have it."""
 NOT_AT_ZERO = frozenset({"contour_friction.coulomb", "air_film.film", "air_film.boundary_layer"})
 """Those by which there is no derivative at zero: another law holds there."""
 OF_MASS = {"mass": "share", "x": "x", "y": "y", "z": "z"}
@@ -96,12 +95,8 @@ OF_SHAKING = ("x", "y", "z", "rate", "phase")
 def constants(effects: Effects) -> tuple[str, ...]:
     """Return the constants of the declared effects, by the keys of a scene file, dimensionless."""
     declared = effects.declared()
-    names = [
-        name
-        for name, field in SCALARS.items()
-        if name.split(".")[0] in declared
-        and not (name in NOT_AT_ZERO and getattr(effects, field) == 0.0)
-    ]
+    absent = {name for name in NOT_AT_ZERO if getattr(effects, SCALARS[name]) == 0.0}
+    names = [name for name in SCALARS if name.split(".")[0] in declared and name not in absent]
     if "tilt" in declared:
         names += ["tilt.angle", "tilt.direction"]
     if "shake" in declared:
@@ -221,6 +216,11 @@ class TangentMotion:
         f = self.rates(number, c)
         return np.asarray(d - np.outer(f / f[NUMBER[W2]], d[NUMBER[W2]]))
 
+    def value(self, quantity: Quantity, number: int, c: float) -> float:
+        """Return a quantity at a place."""
+        mode = self.pieces[number].mode
+        return float(quantity(self.equations, self.state(number, c), mode)[0])
+
     def gradient(self, quantity: Quantity, number: int, c: float) -> tuple[float, Floats, Floats]:
         """Return a quantity at a place, and its derivatives by the rows `CORE` and by `by`."""
         y, mode = self.state(number, c), self.pieces[number].mode
@@ -231,7 +231,7 @@ class TangentMotion:
         by_constants = [
             float(quantity(each, y.astype(complex), mode)[0].imag) / STEP for each in self.varied
         ]
-        value = float(quantity(self.equations, y, mode)[0])
+        value = self.value(quantity, number, c)
         none = np.zeros(len(self.by) - len(by_constants))
         return value, by_state, np.concatenate([none, by_constants])
 
@@ -355,12 +355,7 @@ def _peak(
         left = starts[1] if number == starts[0] else 0.0
         right = ends[1] if number == ends[0] else motion.pieces[number].cut
         places += [(number, float(left + (right - left) * share)) for share in PLACES]
-    values = [
-        abs(
-            float(quantity(motion.equations, motion.state(*place), motion.pieces[place[0]].mode)[0])
-        )
-        for place in places
-    ]
+    values = [abs(motion.value(quantity, *place)) for place in places]
     if not np.isfinite(values).all():
         raise UndecidedError(PULLED)
     edges = {0: (starts, not opens), len(places) - 1: (ends, True)}
@@ -377,7 +372,7 @@ def _peak(
         else:
             at, turns = _top(motion, rising, low, high), False
         _, by_state, by_constants = motion.gradient(quantity, *at)
-        value = float(quantity(motion.equations, motion.state(*at), motion.pieces[at[0]].mode)[0])
+        value = motion.value(quantity, *at)
         if abs(value - known) <= SAME_PEAK * abs(known):
             break
     else:
@@ -392,9 +387,8 @@ def _top(motion: TangentMotion, rising: Callable[[Place], bool], low: Place, hig
         left = low if number == low[0] else (number, 0.0)
         right = high if number == high[0] else (number, motion.pieces[number].cut)
         if not rising(left):
-            if number == low[0]:
-                return left
-            if motion.pieces[number].mode != motion.pieces[number - 1].mode:
+            before = motion.pieces[max(number - 1, low[0])].mode
+            if motion.pieces[number].mode != before:
                 raise UndecidedError(KINK)
             return left
         if rising(right):

@@ -44,7 +44,7 @@ NOTHING = 1e-18
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Contact:
+class Landing:
     """A contact to come.
 
     Attributes
@@ -68,7 +68,7 @@ class _Start:
     touches: bool = False
 
 
-def next_contact(flight: Flight, most: float, *, lifted: bool = False) -> Contact | None:
+def next_contact(flight: Flight, most: float, *, lifted: bool = False) -> Landing | None:
     """Return the next contact of a flight, or None if there is none until `most`.
 
     Parameters
@@ -89,21 +89,21 @@ def next_contact(flight: Flight, most: float, *, lifted: bool = False) -> Contac
         if np.abs(bends[-2:]).max() > RESOLVED * (1.0 + np.abs(bends).max()):
             length /= 2
             if length * rate < SHORTEST:
-                return Contact(after=start, lower=True)
+                return Landing(after=start, lower=True)
             continue
         blurred = BLURRED / rate if lifted and begun.touches else 0.0
         found, then = _look(flight, states, bends, begun, length=length, blurred=blurred)
         if found is not None:
-            return Contact(after=start + found.after, lower=found.lower)
+            return Landing(after=start + found.after, lower=found.lower)
         sinks = then.value < 0.0 and then.slope < 0.0
         if sinks and length * rate < SHALLOW:
             # so near to the launch that what it sinks by is still round-off
-            return Contact(after=start + length, lower=True)
+            return Landing(after=start + length, lower=True)
         if _below(flight, states):
             # two roots too near to each other, or to the beginning, for a piece of this length
             length /= 4
             if length * rate < BRIEFEST:
-                return Contact(after=start, lower=True)
+                return Landing(after=start, lower=True)
             continue
         start, begun, length = start + length, then, min(2 * length, USUAL / rate)
     return None
@@ -155,19 +155,19 @@ def _look(
     *,
     length: float,
     blurred: float,
-) -> tuple[Contact | None, _Start]:
+) -> tuple[Landing | None, _Start]:
     """Return the first contact within a piece, if any, and how the next piece begins."""
     once, twice = _integrated(bends, begun, length)
     least = max(_first_possible(begun.slope, bends, length), blurred) if begun.touches else 0.0
     found = _first_root(twice, length, least)
-    met = None if found is None else Contact(after=found, lower=True)
+    met = None if found is None else Landing(after=found, lower=True)
     # C < 0 of a can that has tumbled: the other rim may be lower
     if states.frame[:, 2, 2].min() < 0:
         F, slopes, others = margin(flight, states, -1)
         start = _Start(value=float(F[-1]), slope=float(slopes[-1]))
         found = _first_root(_integrated(_fit(others), start, length)[1], length, 0.0)
         if found is not None and (met is None or found < met.after):
-            met = Contact(after=found, lower=False)
+            met = Landing(after=found, lower=False)
     return met, _Start(value=float(twice.sum()), slope=float(once.sum()))
 
 
