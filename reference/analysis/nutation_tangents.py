@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from reference.analysis.tangent_motion import UndecidedError, constants, tangent_motion
-from reference.analysis.variational import NUMBER
+from reference.analysis.variational import NUMBER, without_tangent
 from reference.equations.state_vector import LEAN, TIME, Angles
 from reference.integrable.tangents import BY
 from reference.nonsmooth.segments import SegmentsPath
@@ -50,6 +50,8 @@ def nutation_tangents(problem: Problem, times: Floats) -> tuple[tuple[str, ...],
         if time > solution.t_end:
             break
         number, c = solution.path.place(time)
+        if without_tangent(problem.effects, motion.pieces[: number + 1]):
+            break
         try:
             d, f = motion.disturbances(number, c, turns=False), motion.rates(number, c)
         except UndecidedError:

@@ -15,21 +15,19 @@ from typing import Any
 import numpy as np
 
 from reference.analysis.bounces import humps
-from reference.analysis.variational import CORE, NUMBER, STEP, Stretch, stretches
+from reference.analysis.variational import (
+    CORE,
+    NUMBER,
+    STEP,
+    Stretch,
+    release_disturbances,
+    stretches,
+    without_tangent,
+)
 from reference.equations.contact_laws import Mode
 from reference.equations.frames import length
 from reference.equations.newton_euler import GeneralEquations
-from reference.equations.state_vector import (
-    LEAN,
-    PSI,
-    SLIP,
-    TIME,
-    W1,
-    W2,
-    W3,
-    Angles,
-    sizes,
-)
+from reference.equations.state_vector import LEAN, PSI, SLIP, TIME, W1, W2, Angles, sizes
 from reference.integrable.derivatives import PULLED, QUANTITIES
 from reference.integrable.frobenius import CanConstants
 from reference.integrable.tangents import BY
@@ -47,7 +45,6 @@ NO_BOUNCE = "the motion has no bounce"
 # A peak that was measured by sampling is this near, as a share of it.
 SAME_PEAK = 1e-6
 ANOTHER = "the peak could not be told from others"
-LETS_GO = "the rim slips from a static friction above the kinetic: its force jumps"
 KINK = "the peak is where the law of the contact changes, and differs on its two sides"
 
 
@@ -148,14 +145,10 @@ def _stepped_gravity(gravity: Gravity, effect: str, constant: str) -> Gravity:
 
 def _released(problem: Problem, count: int) -> Floats:
     """Return the derivatives of the state at the release, rows `CORE`, shape (9, count)."""
-    S, C = np.sin(problem.phi), np.cos(problem.phi)
     out = np.zeros((CORE.size, count))
-    phi, phi_dot, psi_dot, theta_dot = range(4)
-    out[NUMBER[LEAN], phi] = 1 / S
-    out[NUMBER[W1], phi], out[NUMBER[W3], phi] = problem.psi_dot * C, -problem.psi_dot * S
-    out[NUMBER[W2], phi_dot] = -1.0
-    out[NUMBER[W1], psi_dot], out[NUMBER[W3], psi_dot] = S, C
-    out[NUMBER[W3], theta_dot] = 1.0
+    # of those of `release_disturbances`: phi, psi' and theta'; phi' has the place of theta
+    out[:, [0, 2, 3]] = release_disturbances(problem)[:, [0, 2, 3]]
+    out[NUMBER[W2], 1] = -1.0
     return out
 
 
@@ -259,8 +252,8 @@ def motion_tangents(problem: Problem) -> tuple[tuple[str, ...], dict[str, Jet], 
     if not solution.bounces or not isinstance(path, SegmentsPath):
         reason = f"{NO_BOUNCE}: {solution.outcome.value.rstrip('.')}"
         return by, {}, dict.fromkeys(QUANTITIES, reason)
-    if problem.effects.mu_static and any(piece.mode.slips for piece in path.pieces):
-        return by, {}, dict.fromkeys(QUANTITIES, LETS_GO)
+    if reason := without_tangent(problem.effects, path.pieces):
+        return by, {}, dict.fromkeys(QUANTITIES, reason)
     motion = tangent_motion(problem, path, by)
     jets: dict[str, Jet] = {}
     why: dict[str, str] = {}

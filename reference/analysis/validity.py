@@ -169,6 +169,8 @@ def _findings(solution: Solution, guard: Guard) -> list[Finding]:
         findings.append(Finding(kind=FindingKind.LIMIT, sentence=solution.outcome.value))
     # at lift-off it is zero but for round-off, and the outcome has said so
     lifted = solution.outcome is Outcome.LIFTED
+    # and where the whole face meets the plane at once nothing rolls any more
+    lifted |= solution.outcome is Outcome.FELL_FLAT and guard.normal_force == 0.0
     yields = solution.problem.effects.compliance is not None
     if never_slips and guard.normal_force <= 0 and not lifted and not yields and not unilateral:
         pull = f"Rolling asks the plane to pull, with up to {-guard.normal_force:.4g} m g: "
@@ -191,6 +193,10 @@ def _carried(solution: Solution) -> str:
     """Return the sentence that says which model carries a contact that is lost, found or jams."""
     effects = solution.problem.effects
     held = effects.restitution is None and effects.compliance is None
+    if solution.outcome is Outcome.JAMMED:
+        # an impulse of friction frees a rim that slips, and none that moments have jammed
+        moments = effects.drilling or effects.rolling_resistance or effects.contour or effects.patch
+        held &= bool(effects.mu) and not moments
     return UNILATERAL_CARRIES if held else NONE_CARRIES
 
 

@@ -15,9 +15,8 @@ The time is a state, t' = S. The difference d of two motions at the same sigma b
 difference at the same time, d - f d_t/S.
 
 Where something comes to rest or turns round (a slip, a turning that friction holds, the contact
-point on the rim) the law changes, f jumps from
-f- to f+, and a disturbed motion gets there at another sigma: later by the tau at which what comes
-to rest, G y, rests in it as well. So
+point on the rim) the law changes, f jumps from f- to f+, and a disturbed motion gets there at
+another sigma: later by the tau at which what comes to rest, G y, rests in it as well. So
 
     tau = -(G f-).(G d)/|G f-|^2,    d+ = P (d + tau f-) - tau f+
 
@@ -61,6 +60,7 @@ from reference.equations.state_vector import (
 from reference.nonsmooth.level_spin import level_turning
 from reference.nonsmooth.radau_iia import basis, coefficients, integrator, points
 from reference.nonsmooth.segments import Segment
+from reference.problem.effects import Effects
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 
@@ -78,6 +78,8 @@ BEHIND = 1e-5
 # A slip as slow as this is at its end, and its last steps are left out: they take a time of this
 # size, by which disturbances are missed. Nearer to the end round-off turns the slip.
 ENDING = 1e-10
+CREEPS = "dry friction along the rim lets the contact point creep"
+LETS_GO = "the rim slips from a static friction above the kinetic: its force jumps"
 Forcing: TypeAlias = Callable[[Floats, Mode], Floats]
 DISTURBED = ("phi", "theta", "psi_dot", "theta_dot")
 
@@ -129,6 +131,14 @@ class Stretch:
         )
         aside, about = at.S * psi, total - at.S * at.T * psi
         return np.asarray(np.sqrt((at.S * lean) ** 2 + aside**2 + about**2))
+
+
+def without_tangent(effects: Effects, pieces: tuple[Segment, ...]) -> str:
+    """Return why disturbances of a motion obey no equations that are here; empty if they do."""
+    lets_go = effects.mu_static is not None and effects.mu_static > (effects.mu or 0.0)
+    if lets_go and any(piece.mode.slips for piece in pieces):
+        return LETS_GO
+    return CREEPS if any(piece.mode.creeps for piece in pieces) else ""
 
 
 def jacobian(equations: GeneralEquations, y: Floats, mode: Mode) -> tuple[Floats, Floats]:

@@ -9,8 +9,9 @@ from reference.equations.state_vector import DISSIPATED, LEAN, PSI, TURN, W1, W2
 from reference.nonsmooth.events import EventKind
 from reference.problem.states import Floats
 
-# sin(phi) over w1^2 below which the centrifugal part of the normal force is far beyond the others:
-# where dry friction along the rim keeps that force small, three of its digits have cancelled.
+# sin(phi) over w1^2 below which the centrifugal part of the normal force is far beyond the others,
+# and g/w1^2 below which three digits of that part have cancelled: on the manifold, to which dry
+# friction along the rim draws the can, and not in a bounce, however close to the flat state.
 CENTRIFUGAL = 1e-3
 
 
@@ -26,7 +27,10 @@ def creeps(equations: Equations, y: Floats, mode: Mode) -> bool:
         return False
     mass = equations.effects.mass
     mirrored = mass is None or (mass.x == 0.0 and mass.y == 0.0)
-    return mirrored and float(Angles.of(y[LEAN]).S) < CENTRIFUGAL * float(y[W1]) ** 2
+    least = CENTRIFUGAL * float(y[W1]) ** 2
+    if not mirrored or float(Angles.of(y[LEAN]).S) >= least:
+        return False
+    return abs(float(equations.contact(y[:, None], mode).force[2, 0])) < least
 
 
 def creeping(equations: Equations, y: Floats, mode: Mode) -> Floats:
@@ -37,8 +41,11 @@ def creeping(equations: Equations, y: Floats, mode: Mode) -> Floats:
     return out
 
 
-def crept(equations: Equations, y: Floats, mode: Mode, what: EventKind) -> Floats:
-    """Return a state, shape (13,), without the normal force, where an event ends its creeping."""
+def crept(equations: Equations, y: Floats, mode: Mode, what: EventKind | None) -> Floats:
+    """Return a state, shape (13,), without the normal force, where its creeping ends by an event.
+
+    Without an event phi falls no more.
+    """
     out = y.copy()
     out[NORMAL_FORCE] = 0.0
     if what is not EventKind.FLAT or not isinstance(equations, GeneralEquations):

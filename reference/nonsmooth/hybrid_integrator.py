@@ -330,6 +330,10 @@ class HybridIntegrator:
             self._go_on(begin(self._equations, self._y, mode))
             if rests:
                 self._turned(before=before)
+        elif mode.creeps and before <= 0.0:
+            # g - S N dies out in a fall alone
+            self._y = crept(self._equations, self._y, mode, None)
+            self._go_on(begin(self._equations, self._y, replace(mode, creeps=False)))
         elif not mode.creeps and creeps(self._equations, self._y, mode):
             self._y = creeping(self._equations, self._y, mode)
             self._go_on(ModeTransition(mode=replace(mode, creeps=True)))

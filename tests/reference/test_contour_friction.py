@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from reference import PAPER_CAN, EffectError, Effects, Outcome, Problem, solve
 from reference.analysis.sensitivity import NO_TANGENT, sensitivity
-from reference.analysis.tangent_motion import LETS_GO
+from reference.analysis.variational import LETS_GO
 from reference.nonsmooth.segments import SegmentsPath
 from reference.problem.can import Parameters
 from reference.solver import SolverError

@@ -123,7 +123,9 @@ class MujocoSteps:
         self._state = state_of(world)
         self._model, self._data = [world.model], [world.data]
         # one for the run: each that MuJoCo makes for a call costs as much as two steps
-        self._rollout = rollout.Rollout(nthread=0).rollout
+        # which releases before 3.3 cannot
+        own = getattr(rollout, "Rollout", None)
+        self._rollout = rollout.rollout if own is None else own(nthread=0).rollout
         self._times: list[Floats] = []
         self._states = self._sensors = _NOTHING
         self._held = 0
