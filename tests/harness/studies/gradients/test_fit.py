@@ -119,8 +119,8 @@ def test_a_derivative_next_to_nothing_is_compared_with_quantity_over_key() -> No
     assert not differences(dict.fromkeys(STEPS, 0.5)).insensitive
 
 
-def test_without_a_bounce_there_is_no_derivative() -> None:
+def test_without_a_step_there_is_no_derivative() -> None:
     lost = differences({})
-    assert lost.verdict.status is Status.FAILED
+    assert lost.verdict.status is Status.NOT_JUDGED
     assert lost.parts is None
     assert lost.settled is None
