@@ -154,7 +154,7 @@ def test_a_step_is_judged_by_the_same_tail(resistance: float) -> None:
     ("method", "allowed"), [("half-period", 1e-10), ("picard-chebyshev", 3e-8)]
 )
 def test_golden_digits(method: str, allowed: float) -> None:
-    """Ten of them at least; fewer where a return amplifies round-off: 1.6e-8 was seen."""
+    """Ten of them at least; fewer where a return amplifies round-off: 1.6e-8 on one machine."""
     for row in GOLDEN[::7]:
         release = {name: row[name] for name in ("phi", "phi_dot", "psi_dot", "theta_dot")}
         can = Parameters(a=row["a"], c=row["c"], h=row["h"])
