@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reference.analysis.agreement import Agreement
 from reference.analysis.conditioning import RoundOff, round_off
@@ -99,6 +100,11 @@ class Solution:
     impacts: tuple[Impact, ...] = ()
     agreement: Agreement | None = None
 
+    def covers(self, times: Floats) -> NDArray[np.bool_]:
+        """Which times, shape (n,), lie in [0, t_end]: a sum of time steps may be rounded beyond."""
+        slack = 8 * np.finfo(float).eps * max(self.t_end, 1.0)
+        return (times >= -slack) & (times <= self.t_end + slack)
+
     def at(self, times: Floats | float) -> States:
         """States at the given times.
 
@@ -113,9 +119,7 @@ class Solution:
             If a time lies outside the solution.
         """
         times = np.atleast_1d(np.asarray(times, dtype=float))
-        # the end itself may be reached by a sum of time steps: allow its rounding
-        slack = 8 * np.finfo(float).eps * max(self.t_end, 1.0)
-        if times.size and not (times.min() >= -slack and times.max() <= self.t_end + slack):
+        if not self.covers(times).all():
             allowed = f"inside [0, {self.t_end!r}]"
             raise RefusedError("times", times, allowed, f"`times` must lie {allowed}")
         return self.path.at(np.clip(times, 0.0, self.t_end))

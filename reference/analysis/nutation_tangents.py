@@ -46,10 +46,8 @@ def nutation_tangents(problem: Problem, times: Floats) -> tuple[tuple[str, ...],
     if not isinstance(solution.path, SegmentsPath):
         return by, rates, slopes
     motion = tangent_motion(problem, solution.path, by)
-    for place, time in enumerate(times.tolist()):
-        if time > solution.t_end:
-            break
-        number, c = solution.path.place(time)
+    for place in np.flatnonzero(solution.covers(times)):
+        number, c = solution.path.place(float(times[place]))
         if without_tangent(problem.effects, motion.pieces[: number + 1]):
             break
         try:

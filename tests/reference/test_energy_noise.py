@@ -53,4 +53,5 @@ def test_round_off_of_the_energy_is_bounded_and_not_by_much() -> None:
             error = [abs(float(mp.mpf(float(v)) - t)) for v, t in zip(g[:, 0], truth, strict=True)]
         shares.append(np.array(error) / bound[:, 0])
     assert np.isfinite(shares).all()
-    assert 0.8 < np.max(shares) < 0.9
+    # where in the range depends on the last bits of sines and logarithms of the machine
+    assert 0.5 < np.max(shares) < 1.0

@@ -10,6 +10,8 @@ from reference.analysis.nutation_tangents import nutation_tangents
 from tests.support.varied import varied
 
 TIMES = np.array([2.0, 6.0, 11.0])
+ROCK = Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=0.12, theta_dot=-0.06, duration=5.0)
+SLIPPING = replace(ROCK, phi=0.4, slip=(0.1, 0.05), effects=Effects(mu=0.2), duration=0.6)
 
 
 def problem(psi_dot: float) -> Problem:
@@ -37,6 +39,12 @@ def test_phi_at_a_time_has_the_derivative_of_its_differences() -> None:
     assert rates == pytest.approx(at.phi_dot, rel=1e-9)
 
 
+@pytest.mark.parametrize("end", np.linspace(0.5, 0.6, 20))
+def test_the_last_time_is_not_lost_to_rounding(end: float) -> None:
+    _, rates, _ = nutation_tangents(ROCK, np.array([end]))
+    assert np.isfinite(rates).all()
+
+
 def test_a_motion_that_has_ended_has_none() -> None:
     # it falls over: all that is released beyond the balanced can
     over = replace(problem(0.0), phi=PAPER_CAN.balancing_angle + 0.3, theta_dot=0.0)
@@ -44,10 +52,6 @@ def test_a_motion_that_has_ended_has_none() -> None:
     assert np.isfinite(rates[0])
     assert np.isnan(rates[1])
     assert np.isnan(slopes[1]).all()
-
-
-ROCK = Problem(parameters=PAPER_CAN, phi=0.3, psi_dot=0.12, theta_dot=-0.06, duration=5.0)
-SLIPPING = replace(ROCK, phi=0.4, slip=(0.1, 0.05), effects=Effects(mu=0.2), duration=0.6)
 
 
 @pytest.mark.parametrize(
