@@ -45,6 +45,8 @@ STEADY = 0.1
 ROUNDS = 4
 # Phases whose beginnings go to their limit as a geometric sequence.
 PHASES = 3
+# Nutations that are enough for a limit of limits, each over so many of them.
+NUTATIONS, TENTHS = 50, 10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,12 +90,18 @@ def powers(effects: Effects) -> dict[str, float]:
 def is_regular(solution: Solution) -> bool:
     """Return whether a motion came to lie flat as its laws of dissipation have it.
 
+    Friction against drilling, be it of a patch, is one of them, without an exponent: its law is
+    that of phi far below h alone.
+
     A fall in a plane, whose contact point does not run along the rim, is none of theirs.
     """
-    problem = solution.problem
-    return (
-        solution.outcome in FLAT and bool(powers(problem.effects)) and not moves_in_a_plane(problem)
-    )
+    problem, effects = solution.problem, solution.problem.effects
+    takes = bool(powers(effects)) or _drills(effects)
+    return solution.outcome in FLAT and takes and not moves_in_a_plane(problem)
+
+
+def _drills(effects: Effects) -> bool:
+    return effects.drilling > 0 or effects.patch > 0
 
 
 def coming_to_rest(solution: Solution) -> Rest | None:
@@ -116,14 +124,32 @@ def coming_to_rest(solution: Solution) -> Rest | None:
 def _time(solution: Solution) -> float:
     """Return t_f: the limit of the phases of slip where the motion ended before the last.
 
-    Aitken's limit of the beginnings of the last three, whose distances shrink by one ratio.
+    Aitken's limit of the beginnings of the last three, whose distances shrink by one ratio; or of
+    nutations, where friction against drilling stops a disk that goes on to slip, or to stick.
     """
-    starts = [phase.start for phase in solution.phases if phase.kind is Kind.SLIP][-PHASES:]
-    if solution.outcome is Outcome.FELL_FLAT or len(starts) < PHASES:
+    if solution.outcome is Outcome.FELL_FLAT:
         return solution.t_end
-    before, last = np.diff(starts)
-    limit = starts[-1] + last * last / (before - last) if before > last else solution.t_end
-    return max(float(limit), solution.t_end)
+    starts = [phase.start for phase in solution.phases if phase.kind is Kind.SLIP]
+    if len(starts) >= PHASES:
+        limit = _aitken(*starts[-PHASES:])
+    elif not _drills(solution.problem.effects) or solution.maxima.size < PHASES:
+        return solution.t_end
+    elif solution.maxima.size < NUTATIONS:
+        limit = _aitken(*solution.maxima[-PHASES:].tolist())
+    else:
+        # their ratio tends to its own limit as a power of phi: Aitken's limit of three such limits
+        thinned = solution.maxima[:: -(solution.maxima.size // TENTHS)][::-1].tolist()
+        limit = _aitken(
+            *(_aitken(*thinned[n - 3 : n]) for n in range(len(thinned) - 2, len(thinned) + 1))
+        )
+    return max(limit, solution.t_end)
+
+
+def _aitken(first: float, second: float, third: float) -> float:
+    """Return the limit of a geometric sequence of three terms; the last if it has none."""
+    before, last = second - first, third - second
+    ratio = last / before if before else 1.0
+    return third + last * ratio / (1 - ratio) if 0 < abs(ratio) < 1 else third
 
 
 def _fitted(solution: Solution, guess: float) -> tuple[float | None, tuple[float, float]]:

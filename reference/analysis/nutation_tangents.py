@@ -8,8 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.analysis.tangent_motion import UndecidedError, constants, tangent_motion
-from reference.analysis.variational import NUMBER, without_tangent
+from reference.analysis.linearisation import NUMBER
+from reference.analysis.stepped_constants import constants
+from reference.analysis.tangent_motion import UndecidedError, tangent_motion
+from reference.analysis.variational import without_tangent
 from reference.equations.state_vector import LEAN, TIME, Angles
 from reference.integrable.tangents import BY
 from reference.nonsmooth.segments import SegmentsPath
@@ -34,7 +36,7 @@ def nutation_tangents(problem: Problem, times: Floats) -> tuple[tuple[str, ...],
         What derivatives are taken by.
     rates : ndarray, shape (n,)
         phi' at the times. Not a number after the motion has ended, in the last steps of a slip
-        that comes to rest (`reference.analysis.variational.ENDING`), and of a motion whose path
+        that comes to rest (`reference.analysis.saltation.ENDING`), and of a motion whose path
         has no pieces (`reference.nonsmooth.segments.SegmentsPath`).
     slopes : ndarray, shape (n, k)
         Likewise, of phi at the same time.

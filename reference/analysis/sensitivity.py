@@ -10,7 +10,8 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
-from reference.analysis.tangent_motion import SCALARS, constants, motion_tangents
+from reference.analysis.stepped_constants import SCALARS, constants
+from reference.analysis.tangent_motion import motion_tangents
 from reference.equations.contact_laws import Kind
 from reference.integrable.derivatives import NO_PATH, QUANTITIES, bounce_tangents
 from reference.integrable.exact_motion import ExactPath, exact_path
@@ -23,10 +24,7 @@ from reference.solver import solve
 
 # phi_max this near the balanced can, over phi_max, is beside a separatrix.
 NEAR = 1e-3
-NO_TANGENT = (
-    "The variational equations know no contact that gives way and no patch of contact: no "
-    "derivative is given."
-)
+NO_TANGENT = "The variational equations know no contact that gives way: no derivative is given."
 HAS_IMPACTS = (
     "The can leaves the plane in its first bounce, or has none: the variational equations are "
     "those of a rim that stays on the plane, so no derivative is given."
@@ -63,7 +61,7 @@ class Sensitivity:
 
 def has_tangent(effects: Effects) -> bool:
     """Return whether the variational equations know every law of these effects."""
-    return effects.compliance is None and not effects.patch
+    return effects.compliance is None
 
 
 def _stays_on_plane(problem: Problem) -> bool:

@@ -4,21 +4,21 @@ A disturbance d of the state by a number p obeys d' = J d + df/dp
 (`reference.analysis.variational`), and starts as the derivative of the release by p. At an extremum
 of phi, whose instant moves, the state changes by d - f d_w2/f_w2: there w2 = -phi' is zero. Peaks
 are maxima along the motion, of which only the derivative at a fixed place is left (envelope
-theorem). Derivatives by the constants of the can and of its effects are taken along imaginary
-steps, exact to round-off.
+theorem). Those by the constants of the can and of its effects:
+`reference.analysis.stepped_constants`.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from itertools import pairwise
 
 import numpy as np
 
 from reference.analysis.bounces import humps
+from reference.analysis.linearisation import CORE, NUMBER, STEP, Quantity, by_state
+from reference.analysis.saltation import jumps, slack
+from reference.analysis.stepped_constants import constants, stepped
 from reference.analysis.variational import (
-    CORE,
-    NUMBER,
-    STEP,
     Stretch,
     release_disturbances,
     stretches,
@@ -27,13 +27,11 @@ from reference.analysis.variational import (
 from reference.equations.contact_laws import Mode
 from reference.equations.frames import length
 from reference.equations.newton_euler import GeneralEquations
-from reference.equations.state_vector import LEAN, PSI, SLIP, TIME, W1, W2, Angles, sizes
+from reference.equations.state_vector import LEAN, PSI, SLIP, TIME, W1, W2, Angles
 from reference.integrable.derivatives import PULLED, QUANTITIES
-from reference.integrable.frobenius import CanConstants
 from reference.integrable.tangents import BY
 from reference.nonsmooth.segments import AHEAD, Segment, SegmentsPath
 from reference.numerics.jets import Jet
-from reference.problem.effects import Effects, Gravity, Mass
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 from reference.solver import solve
@@ -52,97 +50,6 @@ class UndecidedError(ArithmeticError):
     """A derivative that does not exist; says why."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _SteppedEffects(Effects):
-    def __post_init__(self) -> None:
-        """Take constants that were accepted before, and are stepped into the complex plane."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _SteppedGravity(Gravity):
-    def __post_init__(self) -> None:
-        """Likewise."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _SteppedMass(Mass):
-    def __post_init__(self) -> None:
-        """Likewise."""
-
-
-SCALARS = {
-    "slip.mu": "mu",
-    "drilling.length": "drilling",
-    "rolling_resistance.length": "rolling_resistance",
-    "damping.linear": "linear_damping",
-    "damping.angular": "angular_damping",
-    "rim.radius": "rim",
-    "contour_friction.coulomb": "contour",
-    "contour_friction.viscous": "contour_damping",
-    "air_film.film": "film",
-    "air_film.boundary_layer": "boundary_layer",
-}
-"""Constants of effects that are one number of `Effects` each; of air as the equations have it."""
-NOT_AT_ZERO = frozenset({"contour_friction.coulomb", "air_film.film", "air_film.boundary_layer"})
-"""Those by which there is no derivative at zero: another law holds there."""
-OF_MASS = {"mass": "share", "x": "x", "y": "y", "z": "z"}
-OF_SHAKING = ("x", "y", "z", "rate", "phase")
-
-
-def constants(effects: Effects) -> tuple[str, ...]:
-    """Return the constants of the declared effects, by the keys of a scene file, dimensionless."""
-    declared = effects.declared()
-    absent = {name for name in NOT_AT_ZERO if getattr(effects, SCALARS[name]) == 0.0}
-    names = [name for name in SCALARS if name.split(".")[0] in declared and name not in absent]
-    if "tilt" in declared:
-        names += ["tilt.angle", "tilt.direction"]
-    if "shake" in declared:
-        names += [f"shake.{name}" for name in OF_SHAKING]
-    if "point_mass" in declared:
-        names += [f"point_mass.{name}" for name in OF_MASS]
-    return tuple(names)
-
-
-def stepped(problem: Problem, name: str) -> GeneralEquations:
-    """Return the equations of a problem with one constant moved by an imaginary step."""
-    p, effects = problem.parameters, problem.effects
-    values: dict[str, Any] = {field: getattr(effects, field) for field in Effects.__slots__}
-    can: dict[str, Any] = {field: getattr(p, field) for field in ("a", "c", "h")}
-    effect, _, constant = name.partition(".")
-    if name in can:
-        can[name] += 1j * STEP
-    elif name in SCALARS:
-        values[SCALARS[name]] += 1j * STEP
-    elif effect == "point_mass" and effects.mass is not None:
-        mass: dict[str, Any] = {field: getattr(effects.mass, field) for field in Mass.__slots__}
-        mass[OF_MASS[constant]] += 1j * STEP
-        values["mass"] = _SteppedMass(**mass)
-    else:
-        values["gravity"] = _stepped_gravity(effects.gravity, effect, constant)
-    parameters: Any = CanConstants(**{field: np.asarray(value) for field, value in can.items()})
-    return GeneralEquations(parameters=parameters, effects=_SteppedEffects(**values))
-
-
-def _stepped_gravity(gravity: Gravity, effect: str, constant: str) -> Gravity:
-    values: dict[str, Any] = {field: getattr(gravity, field) for field in Gravity.__slots__}
-    if effect == "tilt":
-        x, y, z = gravity.constant
-        level = float(np.hypot(x, y))
-        turned = (
-            (-y, x, 0.0) if constant == "direction" else (-z * x / level, -z * y / level, level)
-        )
-        pairs = zip(gravity.constant, turned, strict=True)
-        values["constant"] = tuple(old + 1j * STEP * new for old, new in pairs)
-    elif constant in {"rate", "phase"}:
-        values[constant] += 1j * STEP
-    else:
-        steps = [1j * STEP * (constant == axis) for axis in "xyz"]
-        values["amplitude"] = tuple(
-            old + new for old, new in zip(gravity.amplitude, steps, strict=True)
-        )
-    return _SteppedGravity(**values)
-
-
 def _released(problem: Problem, count: int) -> Floats:
     """Return the derivatives of the state at the release, rows `CORE`, shape (9, count)."""
     out = np.zeros((CORE.size, count))
@@ -150,10 +57,6 @@ def _released(problem: Problem, count: int) -> Floats:
     out[:, [0, 2, 3]] = release_disturbances(problem)[:, [0, 2, 3]]
     out[NUMBER[W2], 1] = -1.0
     return out
-
-
-Quantity = Callable[[GeneralEquations, Floats, Mode], Floats]
-"""From equations, states of shape (13, n), real or complex, and their mode to values (n,)."""
 
 
 def _precession(_: GeneralEquations, y: Floats, __: Mode) -> Floats:
@@ -190,7 +93,8 @@ class TangentMotion:
         """Return the state at a place, shape (13, 1), with the direction of a slip that begins."""
         piece = self.pieces[number]
         y = piece.at(np.array([c]))
-        if piece.mode.slips and not y[SLIP].any():
+        begins = piece.mode.slips and not self.equations.patch
+        if begins and not y[SLIP].any():
             y[SLIP] = piece.at(np.array([c + AHEAD]))[SLIP]
         return y
 
@@ -217,16 +121,13 @@ class TangentMotion:
     def gradient(self, quantity: Quantity, number: int, c: float) -> tuple[float, Floats, Floats]:
         """Return a quantity at a place, and its derivatives by the rows `CORE` and by `by`."""
         y, mode = self.state(number, c), self.pieces[number].mode
-        step = STEP * sizes(CORE, y[CORE])[:, 0]
-        columns = np.repeat(y, CORE.size, axis=1).astype(complex)
-        columns[CORE, np.arange(CORE.size)] += 1j * step
-        by_state = quantity(self.equations, columns, mode).imag / step
+        slope = by_state(quantity, self.equations, y, mode)
         by_constants = [
             float(quantity(each, y.astype(complex), mode)[0].imag) / STEP for each in self.varied
         ]
         value = self.value(quantity, number, c)
         none = np.zeros(len(self.by) - len(by_constants))
-        return value, by_state, np.concatenate([none, by_constants])
+        return value, slope, np.concatenate([none, by_constants])
 
 
 def motion_tangents(problem: Problem) -> tuple[tuple[str, ...], dict[str, Jet], dict[str, str]]:
@@ -308,8 +209,12 @@ def tangent_motion(problem: Problem, path: SegmentsPath, by: tuple[str, ...]) ->
             out[:, fixed + place] = rates[CORE].imag / STEP
         return out
 
+    def slack_by(y: Floats, mode: Mode) -> Floats:
+        by_varied = [float(slack(each, y.astype(complex), mode)[0].imag) / STEP for each in varied]
+        return np.concatenate([np.zeros(fixed), by_varied])
+
     number = {id(piece): place for place, piece in enumerate(path.pieces)}
-    flow = stretches(equations, path.pieces, _released(problem, len(by)), forcing)
+    flow = stretches(equations, path.pieces, _released(problem, len(by)), forcing, slack_by)
     return TangentMotion(
         equations=equations,
         varied=varied,
@@ -323,11 +228,24 @@ Place = tuple[int, float]
 
 
 def _limit(motion: TangentMotion, starts: Place, ends: Place) -> Jet | None:
-    """Return the coefficient of friction as the peak of its ratio, if the rim slips."""
-    if not any(piece.mode.slips for piece in motion.pieces[starts[0] : ends[0] + 1]):
+    """Return the coefficient of friction as the peak of its ratio, if a point of contact slips.
+
+    It is the static one where the rim sticks before.
+    """
+    pieces = motion.pieces[starts[0] : ends[0] + 1]
+    if motion.equations.patch or not any(piece.mode.slips for piece in pieces):
         return None
-    slope = np.array([float(name == "slip.mu") for name in motion.by])
-    return Jet(np.asarray(motion.equations.mu), slope)
+    name, value = "slip.mu", motion.equations.mu
+    if jumps(motion.equations.effects) and not all(piece.mode.slips for piece in pieces):
+        name, value = "slip.mu_static", motion.equations.mu_static
+        if not _begins(pieces):
+            return None
+    return Jet(np.asarray(value), np.array([float(name == each) for each in motion.by]))
+
+
+def _begins(pieces: tuple[Segment, ...]) -> bool:
+    """Return whether a rim that sticks begins to slip."""
+    return any(piece.mode.slips and not before.mode.slips for before, piece in pairwise(pieces))
 
 
 def _peak(
@@ -354,8 +272,8 @@ def _peak(
     edges = {0: (starts, not opens), len(places) - 1: (ends, True)}
 
     def rising(place: Place) -> bool:
-        value, by_state, _ = motion.gradient(quantity, *place)
-        return bool(np.sign(value) * (by_state @ motion.rates(*place)) > 0)
+        value, by_row, _ = motion.gradient(quantity, *place)
+        return bool(np.sign(value) * (by_row @ motion.rates(*place)) > 0)
 
     for best in sorted(humps(np.array(values)), key=values.__getitem__, reverse=True):
         # the end of a piece is the start of the next: two places further it is another instant
@@ -364,13 +282,13 @@ def _peak(
             at, turns = edges[best]
         else:
             at, turns = _top(motion, rising, low, high), False
-        _, by_state, by_constants = motion.gradient(quantity, *at)
+        _, by_row, by_constants = motion.gradient(quantity, *at)
         value = motion.value(quantity, *at)
         if abs(value - known) <= SAME_PEAK * abs(known):
             break
     else:
         raise UndecidedError(ANOTHER)
-    slope = by_state @ motion.disturbances(*at, turns=turns) + by_constants
+    slope = by_row @ motion.disturbances(*at, turns=turns) + by_constants
     return Jet(np.asarray(value), slope)
 
 

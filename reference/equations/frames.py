@@ -23,7 +23,7 @@ def dot(a: Floats, b: Floats) -> Floats:
 def length(a: Floats, b: Floats) -> Floats:
     """Length of a vector of two components, analytic in them where they are complex.
 
-    Derivatives are taken along imaginary steps (`reference.analysis.variational`), which
+    Derivatives are taken along imaginary steps (`reference.analysis.linearisation`), which
     `np.hypot` refuses.
     """
     return np.asarray(np.sqrt(a * a + b * b) if np.iscomplexobj(a) else np.hypot(a, b))

@@ -24,7 +24,7 @@ A rim rounded to an arc of radius r touches at p_O = -(1 - r) e1 - (h - r) e3 - 
 centre; e1, e2, e3 are the axes of frame B and z = S e1 + C e3 is the vertical. Everything is times
 S, in the time of `reference.equations.state_vector`, and analytic in the state: complex states
 give derivatives
-(`reference.analysis.variational`).
+(`reference.analysis.linearisation`).
 """
 
 from dataclasses import dataclass, replace

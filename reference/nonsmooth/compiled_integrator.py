@@ -53,8 +53,8 @@ class CompiledIntegrator(HybridIntegrator):
         return begin_on_rim(self._equations, released(problem, at=self._locus))
 
     def _most_work(self) -> int:
-        """Return how many evaluations the motion may call for."""
-        return MOST_WORK * ROUNDS_A_UPDATE
+        """Return at how many evaluations the motion is given up."""
+        return self._work_before + MOST_WORK * ROUNDS_A_UPDATE
 
     def _end(self, piece: Segment) -> Floats:
         return self._state_at(piece, piece.cut)

@@ -66,8 +66,11 @@ SHORTEST = 1e-15
 JAMMED = 10 * SHORTEST
 # Where a slip or a rolling is about to stop a step covers this share of what is left of it.
 SHARE = 0.8
-# Evaluations of the equations that a motion may call for. `cusps` with friction takes 170 thousand.
+# Evaluations of the equations that a motion may call for, and again each time that phi, or its
+# maximum, is half of what it was then: one that comes to rest in ever faster nutations calls for as
+# many in each half. `cusps` with friction takes 170 thousand.
 MOST_WORK = 200_000
+FIFTH = float(np.log(1.25))
 # Coefficients of a step by which the next one is guessed.
 EXTRAPOLATED = 8
 
@@ -92,6 +95,9 @@ class HybridIntegrator:
         self._pieces: list[Segment] = []
         begun = self._released(problem) if start is None else begin_on_rim(equations, start)
         self._y, now = begun
+        self._begun = float(self._y[LEAN])
+        self._lowest = [self._begun, self._begun]
+        self._work_before = 0
         if watch is None:
             rates = equations.rates(now.infinitesimal(self._y), now.mode)[:, 0]
             watch = self._recorder(problem, -float(rates[W2] / rates[TIME]))
@@ -131,6 +137,7 @@ class HybridIntegrator:
     def follow(self) -> SegmentsPath:
         """Integrate to the horizon or an ending."""
         while not self.watch.ended():
+            self._sinks(float(self._y[LEAN]), maximum=False)
             if self._march():
                 continue
             piece = self._step()
@@ -146,12 +153,20 @@ class HybridIntegrator:
 
     def _stuck(self) -> Outcome:
         """Return why there is no next step."""
-        if stopping.comes_to_rest(self._equations, self._y):
+        if stopping.comes_to_rest(self._equations, self._y) or self._nearly_rests(self._y):
             return Outcome.CAME_TO_REST
         if self._evaluations > self._most_work():
             return Outcome.OUTWORKED
         jams = self._pieces and left_to_jam(self._equations, self._pieces[-1]) < JAMMED
         return Outcome.JAMMED if jams else Outcome.STALLED
+
+    def _sinks(self, lean: float, *, maximum: bool) -> None:
+        """Give the motion more work if it has sunk to half: anywhere, or in its maxima."""
+        if lean < self._lowest[maximum] - FIFTH:
+            self._lowest[maximum], self._work_before = lean, self._evaluations
+
+    def _nearly_rests(self, y: Floats) -> bool:
+        return stopping.nearly_rests(self._equations, y, self._begun)
 
     def _step(self) -> Segment | None:
         """Take the longest step that is resolved, unless too much has been spent."""
@@ -193,8 +208,8 @@ class HybridIntegrator:
         return Segment(start=self._y, coefficients=series, cut=1.0, length=length, mode=self._mode)
 
     def _most_work(self) -> int:
-        """Return how many evaluations the motion may call for."""
-        return MOST_WORK
+        """Return at how many evaluations the motion is given up."""
+        return self._work_before + MOST_WORK
 
     def _march(self) -> bool:
         """Take steps all at once, where there is a way; return whether any was taken."""
@@ -260,7 +275,10 @@ class HybridIntegrator:
         for event in met:
             if event.what in EXTREMA:
                 y = self._state_at(piece, event.c)
-                self._report(y, maximum=event.what is EventKind.MAXIMUM)
+                maximum = event.what is EventKind.MAXIMUM
+                self._report(y, maximum=maximum)
+                if maximum and not self._equations.resistance and self._nearly_rests(y):
+                    self.watch.end(float(y[TIME]), Outcome.CAME_TO_REST)
             else:
                 ending = event
             if ending is not None or self.watch.ended():
@@ -278,6 +296,8 @@ class HybridIntegrator:
             self.watch.advance(float(self._y[TIME]), phi)
 
     def _report(self, y: Floats, *, maximum: bool) -> None:
+        if maximum:
+            self._sinks(float(y[LEAN]), maximum=True)
         self.watch.extremum(float(y[TIME]), snapshot_of(y), maximum=maximum)
 
     def _events(self, piece: Segment) -> list[Event]:
@@ -300,6 +320,8 @@ class HybridIntegrator:
             self._now = ModeTransition(mode=replace(self._mode, creeps=False))
         if event is not None and event.what in ENDINGS:
             self.watch.end(float(self._y[TIME]), ENDINGS[event.what])
+        elif event is not None and event.what is EventKind.SLIPS and self._nearly_rests(self._y):
+            self.watch.end(float(self._y[TIME]), Outcome.CAME_TO_REST)
         elif event is not None and event.what is EventKind.SLIPS:
             now = begin_slip(self._equations, self._y, self._now)
             self._go_on(settled(self._equations, self._y, now))

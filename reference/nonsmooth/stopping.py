@@ -10,7 +10,7 @@ import numpy as np
 
 from reference.equations.contact_laws import Equations, Mode
 from reference.equations.frames import to_level
-from reference.equations.state_vector import LEAN, SLIP, TURN, W2, Angles
+from reference.equations.state_vector import LEAN, SLIP, TURN, W1, W2, Angles
 from reference.nonsmooth.level_spin import BESIDE, level_turning, with_level
 from reference.nonsmooth.patch_onset import moving, rim_of, with_turning
 from reference.nonsmooth.segments import Segment
@@ -27,6 +27,9 @@ CREEPS, CREEPING = 1e-2, 2.0
 # ln tan(phi/2) of a disk with 1e-9 rad to go: from there rolling resistance brings it to rest in a
 # time that goes as the square root of phi, in ever more phases of stick and slip.
 ALL_BUT_FLAT = -21.4
+# Four decades of phi, at least, make a sequence; and a disk that has not the energy to rise by this
+# multiple of its phi has no more bounce before it.
+DECADES, RISES = 9.2, 10.0
 # ln tan(phi/2) of a can that has 1e-5 rad to fall, and how much of it a step takes from there: a
 # share of exp(-3). A longer one leaves the precession, which goes with phi, no digits at its end.
 LANDING, FALL = -12.2, 3.0
@@ -42,7 +45,8 @@ def left_of_fall(equations: Equations, y: Floats) -> float:
 def pace(equations: Equations, y: Floats) -> float:
     """Return how much longer steps are than those of a can that moves at a rate of 1."""
     speed = float(np.abs(y[TURN]).max())
-    return CREEPING / speed if equations.resistance and 0 < speed < CREEPS else 1.0
+    dry = equations.resistance or equations.drilling or equations.patch
+    return CREEPING / speed if dry and 0 < speed < CREEPS else 1.0
 
 
 def comes_to_rest(equations: Equations, y: Floats) -> bool:
@@ -52,6 +56,26 @@ def comes_to_rest(equations: Equations, y: Floats) -> bool:
     """
     flat = equations.resistance > 0 and y[LEAN] < ALL_BUT_FLAT
     return bool(flat and y[W2] ** 2 < np.exp(y[LEAN]))
+
+
+def nearly_rests(equations: Equations, y: Floats, released: float) -> bool:
+    """Return whether friction against turning has all but stopped a disk.
+
+    It comes to rest by phases of stick and slip, or by nutations, that tend to a geometric
+    sequence: its limit is known to ten digits before all of them are followed. A can that passes
+    as near to flat on its way up again has the energy for it.
+
+    Parameters
+    ----------
+    equations : Equations
+    y : ndarray, shape (13,)
+    released : float
+        ln tan(phi/2) at the release: what began so low has no sequence yet.
+    """
+    if not (equations.resistance or equations.drilling or equations.patch):
+        return False
+    flat = y[LEAN] < min(ALL_BUT_FLAT, released - DECADES)
+    return bool(flat and y[W1] ** 2 + y[W2] ** 2 < RISES * np.exp(y[LEAN]))
 
 
 def left_of_slip(equations: Equations, y: Floats, mode: Mode) -> float:

@@ -115,6 +115,8 @@ class ModeTransition:
 def begin_on_rim(equations: Equations, y: Floats) -> tuple[Floats, ModeTransition]:
     """Return a state on the rim, shape (13,), with all held that rests, and how it goes on."""
     mode = Mode(slips=bool(moving(equations, y).any()))
+    if mode.slips and not y[SLIP].any() and _hardly_drills(equations, y):
+        y, mode = with_turning(y[:, None], np.zeros(1))[:, 0], Mode()
     if equations.fluid and y[LEAN] < LANDING:
         # fluid below a can that all but lies on its face holds its contact point
         y = _stopped_by_fluid(equations, y, mode)
@@ -126,6 +128,12 @@ def begin_on_rim(equations: Equations, y: Floats) -> tuple[Floats, ModeTransitio
     if equations.contour and now.mode.runs == 0:
         y = _still_on_rim(y)
     return y, now
+
+
+def _hardly_drills(equations: Equations, y: Floats) -> bool:
+    """Return whether the turning about the normal is no more than the round-off of the others."""
+    turns = abs(float(equations.turning(y[:, None])[0]))
+    return turns <= ULPS * float(np.abs(y[TURN]).max())
 
 
 def _still_on_rim(y: Floats) -> Floats:

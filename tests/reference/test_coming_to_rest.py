@@ -1,6 +1,7 @@
 """How a disk that spins down comes to lie flat: exponents from theory, fitted to exact motions."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +19,8 @@ from reference import (
 )
 from reference.analysis.coming_to_rest import powers
 from reference.equations.nonholonomic import nutation_acceleration
+from reference.equations.steady_motion import steady_rotation
+from reference.nonsmooth import hybrid_integrator
 from reference.problem.can import Parameters
 
 DISK = Parameters(a=0.25 + 0.01**2 / 3, c=0.5, h=0.01)
@@ -160,6 +163,77 @@ def test_a_disk_that_slips_on_its_way_is_followed_to_the_end() -> None:
     assert 0.0 < phi < 1e-9
     # phi = A (t_f - t)^2 with sqrt(A) = 2/3 of the arm
     assert rest.time - found.t_end == pytest.approx(math.sqrt(phi) / 0.02, rel=0.1)
+
+
+TALL = Parameters(a=0.25 + 0.17**2 / 3, c=0.5, h=0.17)
+
+
+def rolled(effects: Effects, can: Parameters = TALL, psi_dot: float = 2.0) -> Solution:
+    """Solve a disk that rolls steadily, but for the friction that stops it."""
+    phi = 0.05
+    return solve(
+        Problem(
+            parameters=can,
+            phi=phi,
+            psi_dot=psi_dot,
+            theta_dot=steady_rotation(can, phi, psi_dot),
+            duration=500.0,
+            effects=effects,
+        )
+    )
+
+
+def at(solution: Solution, phi: float) -> Solution:
+    """Return a motion up to where its maxima have sunk to phi, as if it had come to rest there."""
+    maxima = solution.maxima
+    last = int(np.flatnonzero(solution.at(maxima).phi > phi)[-1])
+    end = float(maxima[last])
+    phases = tuple(phase for phase in solution.phases if phase.start <= end)
+    return replace(solution, maxima=maxima[: last + 1], t_end=end, phases=phases)
+
+
+@pytest.mark.slow
+def test_drilling_friction_brings_a_disk_to_rest_in_nutations_whose_limit_is_the_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """One that sticks: its nutations tend to a geometric sequence, and phi goes as its square."""
+    # each fifth that it comes nearer to rest it is given so much again
+    monkeypatch.setattr(hybrid_integrator, "MOST_WORK", 30_000)
+    found = rolled(Effects(drilling=0.3, mu=0.3))
+    assert found.outcome is Outcome.CAME_TO_REST
+    assert found.evaluations > 3 * hybrid_integrator.MOST_WORK
+    assert is_regular(found)
+    early = at(found, 1e-7)
+    rest, before = coming_to_rest(found), coming_to_rest(early)
+    assert rest is not None
+    assert before is not None
+    assert rest.exponent is None
+    phi = float(found.at(found.t_end).phi[0])
+    assert 0.0 < phi < 1e-9
+    left = rest.time - early.t_end
+    assert (rest.time - found.t_end) / left == pytest.approx(math.sqrt(phi / 1e-7), rel=0.1)
+    assert abs(before.time - rest.time) < 0.02 * left
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("effects", "most"),
+    [(Effects(drilling=0.1, mu=0.3), 1e-6), (Effects(mu=0.3, patch=0.2), 1e-6)],
+    ids=["sticks and slips", "a patch"],
+)
+def test_infinitely_many_nutations_end_at_the_same_time(effects: Effects, most: float) -> None:
+    """The limit from where phi is a hundred times larger is the same."""
+    found = rolled(effects)
+    assert found.outcome is Outcome.CAME_TO_REST
+    rest, before = coming_to_rest(found), coming_to_rest(at(found, 1e-7))
+    assert rest is not None
+    assert before is not None
+    assert rest.time > found.t_end
+    assert abs(before.time - rest.time) < most * rest.time
+    # what is left as the square root of phi
+    assert (rest.time - at(found, 1e-7).t_end) / (rest.time - found.t_end) == pytest.approx(
+        10, rel=0.1
+    )
 
 
 def test_a_can_that_falls_flat_without_dissipation_has_no_law() -> None:

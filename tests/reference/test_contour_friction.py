@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from reference import PAPER_CAN, EffectError, Effects, Outcome, Problem, solve
+from reference import PAPER_CAN, Compliance, EffectError, Effects, Outcome, Problem, solve
 from reference.analysis.sensitivity import NO_TANGENT, sensitivity
 from reference.analysis.variational import LETS_GO
 from reference.nonsmooth.segments import SegmentsPath
@@ -143,12 +143,13 @@ GENTLE = Problem(parameters=PAPER_CAN, phi=0.4, psi_dot=0.123, theta_dot=-0.0614
 @pytest.mark.parametrize(
     ("effects", "reason"),
     [
-        (Effects(mu=0.5, patch=0.01), NO_TANGENT),
-        (Effects(mu=0.3, mu_static=0.35), LETS_GO),
+        (Effects(compliance=Compliance(stiffness=1e3)), NO_TANGENT),
+        (Effects(mu=0.2, mu_static=0.25, patch=0.01), LETS_GO),
     ],
-    ids=["patch", "lets go"],
+    ids=["gives way", "a patch lets go"],
 )
 def test_derivatives_that_are_not_there_say_so(effects: Effects, reason: str) -> None:
-    own = sensitivity(replace(GENTLE, effects=effects))
+    still = -GENTLE.psi_dot / math.cos(GENTLE.phi)
+    own = sensitivity(replace(GENTLE, theta_dot=still, effects=effects))
     assert np.isnan(np.concatenate(list(own.derivatives.values()))).all()
     assert set(own.why.values()) == {reason}

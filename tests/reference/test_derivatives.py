@@ -192,6 +192,67 @@ def test_a_contact_point_on_the_rim(theta_dot: float, contour: float, senses: li
     hold_differences(problem, names, 1e-9 if senses[0] else 1e-8)
 
 
+# without a turning about the normal, to round-off
+HELD = {"theta_dot": -ROCK["psi_dot"] / math.cos(ROCK["phi"])}
+
+
+@pytest.mark.parametrize(
+    ("effects", "release", "phases", "names", "least"),
+    [
+        (
+            Effects(mu=0.3, patch=0.02),
+            {},
+            ["slip"],
+            ("phi", "a", "h", "slip.mu", "slip.patch"),
+            1e-9,
+        ),
+        (
+            Effects(mu=0.6, patch=0.1),
+            {},
+            ["slip", "stick"],
+            ("phi", "theta_dot", "slip.mu", "slip.patch"),
+            1e-9,
+        ),
+        # it lets go 2e-9 beyond its limit
+        (Effects(mu=0.25, patch=0.1), HELD, ["stick", "slip"], ("slip.mu", "slip.patch"), 1e-8),
+    ],
+    ids=["creeps", "comes to rest", "lets go"],
+)
+def test_a_patch_of_contact(
+    effects: Effects,
+    release: dict[str, float],
+    phases: list[str],
+    names: tuple[str, ...],
+    least: float,
+) -> None:
+    problem = Problem(parameters=PAPER_CAN, effects=effects, **(ROCK | release))
+    assert [phase.kind.value for phase in solve(problem).phases] == phases
+    hold_differences(problem, names, least)
+
+
+@pytest.mark.parametrize("static", [0.35, 0.38])
+def test_a_static_friction_that_lets_go(static: float) -> None:
+    """The force jumps, at an instant that moves; it lets go 2e-9 beyond its limit."""
+    effects = Effects(mu=0.3, mu_static=static)
+    problem = Problem(parameters=PAPER_CAN, effects=effects, **ROCK)
+    assert [phase.kind.value for phase in solve(problem).phases][:2] == ["stick", "slip"]
+    hold_differences(problem, ("phi", "theta_dot", "a", "slip.mu", "slip.mu_static"), 1e-8)
+    known = sensitivity(problem)
+    assert known.values["peak_friction_ratio"] == static
+    assert known.derivatives["peak_friction_ratio"][known.by.index("slip.mu_static")] == 1.0
+
+
+def test_one_that_only_slips_has_the_derivatives_of_a_lesser_static_friction() -> None:
+    known, plain = (
+        sensitivity(Problem(parameters=PAPER_CAN, effects=effects, **ROCK))
+        for effects in (Effects(mu=0.1, mu_static=0.13), Effects(mu=0.1))
+    )
+    for name in QUANTITIES:
+        own = known.derivatives[name].tolist()
+        assert own.pop(known.by.index("slip.mu_static")) == 0.0
+        assert own == plain.derivatives[name].tolist()
+
+
 def hold_differences(problem: Problem, names: tuple[str, ...], least: float) -> None:
     """Hold derivatives to a share of what a change of a number by itself does, by differences."""
     known = sensitivity(problem)

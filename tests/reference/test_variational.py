@@ -17,15 +17,9 @@ import sympy as sp
 from scipy.integrate import solve_ivp
 
 from reference import PAPER_CAN, Effects, Gravity, Mass, Problem, Solution, divergence, solve
+from reference.analysis.linearisation import CORE, NUMBER, jacobian
 from reference.analysis.lyapunov import DISTURBANCE
-from reference.analysis.variational import (
-    CORE,
-    DISTURBED,
-    NUMBER,
-    jacobian,
-    release_disturbances,
-    stretches,
-)
+from reference.analysis.variational import DISTURBED, release_disturbances, stretches
 from reference.equations.contact_laws import Mode
 from reference.equations.newton_euler import GeneralEquations
 from reference.equations.state_vector import LEAN, PSI, ROWS, TIME, TOTAL, TURN, W3

@@ -9,6 +9,8 @@ RELEASE = ("phi", "phi_dot", "psi_dot", "theta_dot")
 # By the keys of a scene, fields of `Effects`.
 _OF_EFFECTS = {
     "slip.mu": "mu",
+    "slip.mu_static": "mu_static",
+    "slip.patch": "patch",
     "drilling.length": "drilling",
     "rolling_resistance.length": "rolling_resistance",
     "damping.linear": "linear_damping",

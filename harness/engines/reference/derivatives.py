@@ -212,6 +212,8 @@ def _dimensionless(scene: Scene, numbers: Mapping[str, float]) -> tuple[dict[str
     out |= {name: jets[f"can.{name}"] for name in "ach"}
     scaled: dict[str, Callable[[Jet], Jet]] = {
         "slip.mu": lambda x: x,
+        "slip.mu_static": lambda x: x,
+        "slip.patch": lambda x: x / R,
         "drilling.length": lambda x: x / R,
         "rolling_resistance.length": lambda x: x / R,
         "damping.linear": lambda x: x * T,

@@ -54,7 +54,8 @@ EFFECTS = {
     "film": Effects(
         contour_friction=ContourFriction(viscous=1e-4), air_film=AirFilm(viscosity=1.8e-4)
     ),
-    "static friction": Effects(slip=Slip(mu=0.6, mu_static=0.8)),
+    "static friction": Effects(slip=Slip(mu=0.3, mu_static=0.35)),
+    "a patch": Effects(slip=Slip(mu=0.3, patch=1e-3)),
 }
 
 
