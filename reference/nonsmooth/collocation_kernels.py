@@ -51,6 +51,10 @@ _MOST, _PATIENCE = 30, 8
 # A change this small that shrinks as the last two did leaves less than this to the next round: a
 # third of what stands, for it is foreseen and not seen.
 _NEAR, _FORESEEN = 1e-6, STANDS / 3
+# A can whose velocities a first round changes by no more than this share of the angular velocity
+# and the length, the round-off of its rates, moves steadily. More rounds would make a noise of it
+# that long steps do not bear.
+_ROUNDING = 2e-16
 # Of the angular velocity: changes of parts that are smaller are measured against this share.
 _PART = 1e-3
 # A round of a stiff slip that leaves more than this of the last one's change is worth a new matrix.
@@ -222,7 +226,7 @@ def collocate(
     change, series, y, f, D, here = arrays
     work, size, tangent = (D, here), np.empty(ROWS), np.empty(STAGES)
     without, _ = false_and_zero(E)
-    before, gain, stands, rounds = inf, 1.0, False, 0
+    before, gain, stands, steady, rounds = inf, 1.0, False, False, 0
     for i in range(U2 + 1, ROWS):
         for j in range(STAGES):
             change[i, j] = 0.0
@@ -268,7 +272,7 @@ def collocate(
             f[TOTAL, j] = S * (start[W3] + y[W3, j] + T * f[PSI, j])
         for i in range(TOTAL, TIME + 1):
             _integrate(f, i, length, y)
-        moved = 0.0
+        moved, worst = 0.0, 0.0
         for i in core:
             largest, total = 0.0, 0.0
             for j in range(STAGES):
@@ -276,6 +280,7 @@ def collocate(
                 largest = max(largest, apart)
                 total += apart
             moved = inf if isnan(total) else max(moved, largest / size[i])
+            worst = max(worst, largest / max(1.0, length) if i == LEAN else largest)
         for i in range(U2 + 1):
             for j in range(STAGES):
                 change[i, j] = y[i, j]
@@ -285,6 +290,13 @@ def collocate(
         rate = moved / before if before < inf else 1.0
         stands = moved < _STANDS or (moved < _ALMOST and moved > before / 2)
         stands |= moved < _NEAR and moved * max(rate, gain) < _FORESEEN
+        turning = max(size[W1], size[W2], size[W3])
+        if rounds == 1 and worst <= _ROUNDING * length * turning:
+            stands = steady = True
+            for j in range(STAGES):
+                for i in range(LEAN, U2 + 1):
+                    if i <= W3 or i >= U1:
+                        change[i, j] = 0.0
         slow = rounds == 1 or moved > _SLOWLY * before
         before, gain = moved, rate
     if not stands:
@@ -303,6 +315,10 @@ def collocate(
         for j in range(STAGES):
             for k in range(STAGES + 1):
                 series[i, k] += change[i, j] * _TO_COEFFICIENTS[j, k]
+    if steady:
+        for i in range(PSI, TIME + 1):
+            series[i] = 0.0
+            series[i, 1] = length * f[i, 0] / 2
     return rounds
 
 

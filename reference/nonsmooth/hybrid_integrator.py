@@ -118,12 +118,16 @@ class HybridIntegrator:
         """Integrate to the horizon or an ending, and sum up."""
         path = self.follow()
         track = self.watch.track()
-        extrema = track.extrema.with_contact(path.at(track.times))
-        tops = np.flatnonzero(track.maximum)
+        peaks = None
+        if track.times.size:
+            extrema = track.extrema.with_contact(path.at(track.times))
+            tops = np.flatnonzero(track.maximum)
+            peaks = path.peaks(track.times, tops) if tops.size > 1 else None
+            track = replace(track, extrema=extrema)
         return Run(
             path=path,
-            peaks=path.peaks(track.times, tops) if tops.size > 1 else None,
-            track=replace(track, extrema=extrema),
+            peaks=peaks,
+            track=track,
             steps=len(self._pieces),
             evaluations=self._evaluations,
             phases=path.phases(),

@@ -33,6 +33,7 @@ from reference.equations.compiled_equations import (
 from reference.equations.contact_laws import Mode
 from reference.equations.newton_euler import GeneralEquations
 from reference.equations.state_vector import U1, U2, W1, W2, W3, tail_of
+from reference.equations.steady_motion import steady_rotation
 from reference.nonsmooth.radau_iia import STAGES
 from reference.problem.states import Floats
 from tests.support.compiled import needs_numba
@@ -228,6 +229,32 @@ def test_effects_move_the_can_as_in_numpy(effects: Effects, slip: tuple[float, f
         # forty steps, each of some round-offs, which a bounce amplifies a hundredfold
         assert apart < 1e-10, name
     assert np.abs(found.lost(times) - plain.lost(times)).max() < 1e-11
+
+
+@needs_numba
+@pytest.mark.parametrize("nutation", [0.0, 1e-13, 1e-10])
+def test_steady_rolling_is_a_few_long_steps_and_a_faint_nutation_is_none(nutation: float) -> None:
+    """What changes by round-off alone stays; what nutates with an amplitude of 1e-13 does that."""
+    phi, psi_dot = 0.3, 1.2282770973728538
+    steady = Problem(
+        parameters=PAPER_CAN,
+        phi=phi,
+        psi_dot=psi_dot,
+        theta_dot=steady_rotation(PAPER_CAN, phi, psi_dot),
+        phi_dot=nutation,
+        duration=30.0,
+        effects=Effects(mu=1.0),
+    )
+    own, plain = solve(steady, compiled=True), solve(steady)
+    times = np.linspace(0.0, 30.0, 301)
+    moved, expected = own.at(times), plain.at(times)
+    assert (own.steps < 6) == (nutation == 0.0)
+    assert np.abs(moved.psi - psi_dot * times).max() < 1e-14 * psi_dot * 30 + 10 * nutation
+    assert np.abs(moved.psi - expected.psi).max() < 1e-13
+    # of a rate next to nothing the round-off of the others is left
+    assert np.abs(moved.phi_dot - expected.phi_dot).max() < 3e-15
+    if nutation:
+        assert np.abs(moved.phi_dot).max() == pytest.approx(nutation, rel=0.1)
 
 
 def test_compiled_code_without_numba_is_one_message(monkeypatch: pytest.MonkeyPatch) -> None:

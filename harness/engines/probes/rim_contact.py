@@ -136,6 +136,8 @@ def collision(world: World) -> Collision:
 
 _TIED = 1e-12
 """Of the size of the can: depths that differ by less are equal."""
+_BEYOND_DOUBLES = 1e308
+"""Components whose length may be none of the doubles."""
 
 
 def ask(world: World, can: Can, stance: Stance) -> Answer:
@@ -181,7 +183,7 @@ def ask(world: World, can: Can, stance: Stance) -> Answer:
 
 def _length(x: float, y: float) -> float:
     """Return the length of a vector as C's `hypot` has it, and numpy's, which Python's is not."""
-    return abs(complex(x, y))
+    return abs(complex(x, y)) if max(abs(x), abs(y)) < _BEYOND_DOUBLES else math.inf
 
 
 def _off_line(points: Floats, lowest: Floats, can: Can, stance: Stance) -> Floats:

@@ -203,10 +203,10 @@ class _Asked:
             ("count", _needlessly_many, _several),
         )
         for kind, bad, words in kinds:
-            yield from self._told(kind, inside, bad, words)
-        yield from self._told("above", above, lambda a: a.count > 0, _touches_above)
+            yield from self._findings(kind, inside, bad, words)
+        yield from self._findings("above", above, lambda a: a.count > 0, _touches_above)
 
-    def _told(
+    def _findings(
         self, kind: str, found: Sequence[Sequence[Answer]], bad: Bad, words: Words
     ) -> Iterator[RimFinding]:
         """Yield where answers are bad, if any are: the range of tilts that has most of them."""
@@ -222,7 +222,7 @@ class _Asked:
         ranges.sort(key=lambda between: len(all_bad(between)), reverse=True)
         edges = [self._edges(between, bad, inside=inside) for between in ranges[:_MOST_RANGES]]
         wrong = all_bad(ranges[0])
-        asked = [answer for own in found[ranges[0][0] : ranges[0][1] + 1] for answer in own]
+        everything = [answer for own in found[ranges[0][0] : ranges[0][1] + 1] for answer in own]
         others = [where for where, _ in edges[1:]]
         if len(ranges) > len(edges):
             others.append(f"in {len(ranges) - len(edges)} ranges more")
@@ -231,7 +231,7 @@ class _Asked:
         where, high = edges[0]
         yield RimFinding(
             kind=kind,
-            sentence=f"{where} {words(wrong)}{_how_often(wrong, asked)}{also}",
+            sentence=f"{where} {words(wrong)}{_how_often(wrong, everything)}{also}",
             below_tilt_rad=high,
             place_error_m=_largest(answer.place_error for answer in every),
         )
@@ -324,15 +324,15 @@ class _Asked:
 _NEARLY_ALL = 0.99
 
 
-def _how_often(wrong: Sequence[Answer], asked: Sequence[Answer]) -> str:
+def _how_often(wrong: Sequence[Answer], everything: Sequence[Answer]) -> str:
     """Return in words at how many turns answers are wrong, or how often where it is at all."""
     turned, every = (
         {(answer.stance.heading, answer.stance.upside_down) for answer in each}
-        for each in (wrong, asked)
+        for each in (wrong, everything)
     )
     if len(turned) < len(every):
         return f", at {len(turned)} of {len(every)} turns"
-    share = len(wrong) / len(asked)
+    share = len(wrong) / len(everything)
     return "" if share > _NEARLY_ALL else f", in {share:.0%} of the stances"
 
 

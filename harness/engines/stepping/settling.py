@@ -141,13 +141,12 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
     x, y, _ = contact_offset(scene.can, phi, psi, arc=arc_of(scene.effects)).tolist()
     load = scene.gravity * world.timestep  # what one step of falling free would gain, m/s
 
-    # scipy leaves its function in a cycle of references: without this the world would stay as well,
-    # until the collector of garbage comes, with what of its engine the next world could use again
-    asked = [world]
+    # `brentq` keeps its function in a reference cycle; clearing this list frees the world at once
+    worlds = [world]
 
     def rise(depth: float) -> float:
         """Return the upward velocity that a step gives to the material point that touches, m/s."""
-        after = stepped(asked[0], lowered(pose, depth), twist).twist()
+        after = stepped(worlds[0], lowered(pose, depth), twist).twist()
         o_x, o_y, _ = after.angular_velocity.tolist()
         return float(after.velocity[2] + (o_x * y - o_y * x))
 
@@ -161,5 +160,5 @@ def settle(world: World, scene: Scene, pose: Pose, twist: Twist) -> tuple[float,
             return 0.0, pose
         upper = min(4.0 * upper, deepest)
     depth = float(scipy.optimize.brentq(rise, 0.0, upper, xtol=1e-6 * upper))
-    asked.clear()
+    worlds.clear()
     return depth, lowered(pose, depth)

@@ -192,8 +192,8 @@ def _of_the_exact_can(quantity: FidelityQuantity, e: Evaluation, truth: Motion) 
         return "the scene lets the can slip"
     if quantity.key == _LIFT_OFF and _unilateral(e) and not truth.touching.all():
         return "the exact can leaves the plane"
-    lowest = min((bounce.phi_min for bounce in e.true_bounces), default=math.inf)
-    meets = min(_clearance(e, truth), e.simulation.case.scene.can.radius * lowest) < _ATOM
+    lowest = min((bounce.phi_min for bounce in e.true_bounces), default=math.pi / 2)
+    meets = min(_clearance(e, truth), _far_rim(e, lowest)) < _ATOM
     if quantity.key == _DEPTH and _unilateral(e) and meets:
         return "the exact can lands on its face"
     return ""
@@ -230,7 +230,12 @@ def _unilateral(e: Evaluation) -> bool:
 
 def _clearance(e: Evaluation, truth: Motion) -> float:
     """Return how high the far rim is above the plane at its lowest, m."""
-    return 2.0 * e.simulation.case.scene.can.radius * math.sin(float(truth.angles.phi.min()))
+    return _far_rim(e, float(truth.angles.phi.min()))
+
+
+def _far_rim(e: Evaluation, phi: float) -> float:
+    """Return how high the far rim of a can is that leans on the other, m."""
+    return 2.0 * e.simulation.case.scene.can.radius * math.sin(phi)
 
 
 def _speed(truth: Motion) -> float:
