@@ -14,7 +14,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.analysis.variational import DISTURBED, release_disturbances, stretches
+from reference.analysis.variational import (
+    DISTURBED,
+    release_disturbances,
+    stretches,
+    without_tangent,
+)
 from reference.equations.newton_euler import GeneralEquations
 from reference.nonsmooth.segments import SegmentsPath
 from reference.problem.problem import Problem
@@ -89,6 +94,8 @@ def divergence(problem: Problem, own: Solution | None = None) -> Divergence:
         until = replace(problem, bounces=None, duration=own.t_end)
         path = solve(until, model="general").path
         assert isinstance(path, SegmentsPath)  # noqa: S101 - what the general can is followed on
+    if without_tangent(problem.effects, path.pieces):
+        return _by_copies(problem, own)
     equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
     sizes = [max(abs(getattr(problem, name)), LEAST) for name in DISTURBED]
     start = DISTURBANCE * np.array(sizes) * release_disturbances(problem)

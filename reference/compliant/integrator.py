@@ -173,6 +173,9 @@ class CompliantIntegrator(HybridIntegrator):
         """Return the mode in which all is held that is at rest."""
         return replace(mode, rests=bool(self._law.resistance and stands(y[:, None])[0]))
 
+    def _sinks(self, lean: float, *, maximum: bool) -> None:
+        """Give no more work: a contact vibrates however near to rest the can comes."""
+
     def _stuck(self) -> Outcome:
         outcome = super()._stuck()
         if outcome is Outcome.OUTWORKED:

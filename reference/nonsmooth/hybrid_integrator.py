@@ -66,9 +66,9 @@ SHORTEST = 1e-15
 JAMMED = 10 * SHORTEST
 # Where a slip or a rolling is about to stop a step covers this share of what is left of it.
 SHARE = 0.8
-# Evaluations of the equations that a motion may call for, and again each time that phi, or its
-# maximum, is half of what it was then: one that comes to rest in ever faster nutations calls for as
-# many in each half. `cusps` with friction takes 170 thousand.
+# Evaluations of the equations that a motion may call for. One that friction brings to rest, in ever
+# faster nutations, may again each time that phi, or its maximum, has sunk by a fifth. `cusps` with
+# friction takes 170 thousand.
 MOST_WORK = 200_000
 FIFTH = float(np.log(1.25))
 # Coefficients of a step by which the next one is guessed.
@@ -165,8 +165,8 @@ class HybridIntegrator:
         return Outcome.JAMMED if jams else Outcome.STALLED
 
     def _sinks(self, lean: float, *, maximum: bool) -> None:
-        """Give the motion more work if it has sunk to half: anywhere, or in its maxima."""
-        if lean < self._lowest[maximum] - FIFTH:
+        """Give a motion that friction brings to rest more work if it, or its maxima, have sunk."""
+        if stopping.slows_turning(self._equations) and lean < self._lowest[maximum] - FIFTH:
             self._lowest[maximum], self._work_before = lean, self._evaluations
 
     def _nearly_rests(self, y: Floats) -> bool:

@@ -45,8 +45,7 @@ def left_of_fall(equations: Equations, y: Floats) -> float:
 def pace(equations: Equations, y: Floats) -> float:
     """Return how much longer steps are than those of a can that moves at a rate of 1."""
     speed = float(np.abs(y[TURN]).max())
-    dry = equations.resistance or equations.drilling or equations.patch
-    return CREEPING / speed if dry and 0 < speed < CREEPS else 1.0
+    return CREEPING / speed if slows_turning(equations) and 0 < speed < CREEPS else 1.0
 
 
 def comes_to_rest(equations: Equations, y: Floats) -> bool:
@@ -56,6 +55,11 @@ def comes_to_rest(equations: Equations, y: Floats) -> bool:
     """
     flat = equations.resistance > 0 and y[LEAN] < ALL_BUT_FLAT
     return bool(flat and y[W2] ** 2 < np.exp(y[LEAN]))
+
+
+def slows_turning(equations: Equations) -> bool:
+    """Return whether dry friction opposes the turning of a can, and so brings it to rest."""
+    return bool(equations.resistance or equations.drilling or equations.patch)
 
 
 def nearly_rests(equations: Equations, y: Floats, released: float) -> bool:
@@ -72,7 +76,7 @@ def nearly_rests(equations: Equations, y: Floats, released: float) -> bool:
     released : float
         ln tan(phi/2) at the release: what began so low has no sequence yet.
     """
-    if not (equations.resistance or equations.drilling or equations.patch):
+    if not slows_turning(equations):
         return False
     flat = y[LEAN] < min(ALL_BUT_FLAT, released - DECADES)
     return bool(flat and y[W1] ** 2 + y[W2] ** 2 < RISES * np.exp(y[LEAN]))

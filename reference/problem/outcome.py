@@ -31,8 +31,8 @@ class Outcome(Enum):
         "the force of the plane has no bound (dynamic jamming, in Painleve's paradox)."
     )
     OUTWORKED = (
-        "The motion calls for more than 200000 evaluations of its equations while it comes no "
-        "nearer to lying flat: it is not followed further."
+        "The motion calls for more than 200000 evaluations of its equations: it is not followed "
+        "further."
     )
     VIBRATES = (
         "The contact vibrates: its impacts and vibrations call for more than 200000 evaluations of "

@@ -25,8 +25,6 @@ def test_a_motion_ends_where_its_work_does_and_is_known_up_to_there(
     whole = solve(SLIPPING)
     assert whole.outcome is Outcome.FINISHED
     monkeypatch.setattr(hybrid_integrator, "MOST_WORK", whole.evaluations // 2)
-    # it falls, and would be given more
-    monkeypatch.setattr(hybrid_integrator, "FIFTH", np.inf)
     first, again = solve(SLIPPING), solve(SLIPPING)
     assert first.outcome is again.outcome is Outcome.OUTWORKED
     # one step goes beyond, of at most 24 iterations at 16 points

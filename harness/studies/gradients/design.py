@@ -328,7 +328,9 @@ def plan_gradients(scene: Scene, engines: Sequence[str], suite: str) -> Gradient
         raise InvalidSettingError("--suite", suite, " or ".join(SUITES))
     check_exact(scene, chaotic=True)
     if not exact_motion(scene).bounces:
-        raise InvalidSettingError("SCENE", scene.name, "a scene whose exact motion bounces")
+        raise InvalidSettingError(
+            "SCENE", scene.name, "a scene whose exact motion bounces before its horizon"
+        )
     chaos = divergence_of(scene)
     if chaos is not None and chaos.chaotic and scene.horizon.seconds is not None:
         # beyond it no engine has a derivative, and most cans have fallen over
