@@ -53,9 +53,9 @@ def measure_bounces(
     compiled : bool
         Whether to measure the friction of a can that rolls by compiled code.
     """
-    tops = np.flatnonzero(track.maximum)
-    if tops.size < 2:  # noqa: PLR2004 - a bounce has a maximum on either side
+    if np.count_nonzero(track.maximum) < 2:  # noqa: PLR2004 - a bounce has one on either side
         return ()
+    tops = np.flatnonzero(track.maximum)
 
     def ratio(states: States) -> Floats:
         if sliding:

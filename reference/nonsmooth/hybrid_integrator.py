@@ -119,11 +119,9 @@ class HybridIntegrator:
         path = self.follow()
         track = self.watch.track()
         peaks = None
-        if track.times.size:
-            extrema = track.extrema.with_contact(path.at(track.times))
-            tops = np.flatnonzero(track.maximum)
-            peaks = path.peaks(track.times, tops) if tops.size > 1 else None
-            track = replace(track, extrema=extrema)
+        if np.count_nonzero(track.maximum) > 1:
+            peaks = path.peaks(track.times, np.flatnonzero(track.maximum))
+            track = replace(track, extrema=track.extrema.with_contact(path.at(track.times)))
         return Run(
             path=path,
             peaks=peaks,
