@@ -301,7 +301,7 @@ def sentences(answer: Answer) -> Iterable[str]:
         fitted = "" if rest["exponent"] is None else f"; fitted, {rest['exponent']:.4f}"
         law = f" {rest['law'].capitalize()}: phi as " if rest["law"] else ""
         power = f"(t_s - t)^p, p = {rest['exponent_predicted']:.4f}{fitted}." if law else ""
-        yield f"The can came to rest at t_f = {rest['t_f_s']:.12g} s: it lies flat.{law}{power}"
+        yield f"The can lies flat at {rest['t_f_s']:.12g} s.{law}{power}"
     yield from chaos_sentences(answer)
     if "derivatives" in answer:
         yield from derivatives_sentences(answer)

@@ -43,10 +43,11 @@ SAMPLES = 400
 STEADY = 0.1
 # Rounds in which the window and the fit find each other.
 ROUNDS = 4
-# Phases whose beginnings go to their limit as a geometric sequence.
-PHASES = 3
-# Nutations that are enough for a limit of limits, each over so many of them.
-NUTATIONS, TENTHS = 50, 10
+# Terms of a geometric sequence that tell its limit; that of the terms before is the same but for
+# this share of what is left; and the motion ends within so many of its last distances.
+TERMS, AGREED, GOES_ON = 3, 0.1, 2.0
+# Nutations that are enough for a limit of limits, and parts of them that its terms lie apart.
+MANY, PARTS = 50, 10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,7 +97,8 @@ def is_regular(solution: Solution) -> bool:
     A fall in a plane, whose contact point does not run along the rim, is none of theirs.
     """
     problem, effects = solution.problem, solution.problem.effects
-    takes = bool(powers(effects)) or _drills(effects)
+    rests = _drills(effects) and solution.outcome is Outcome.CAME_TO_REST
+    takes = bool(powers(effects)) or rests
     return solution.outcome in FLAT and takes and not moves_in_a_plane(problem)
 
 
@@ -122,27 +124,39 @@ def coming_to_rest(solution: Solution) -> Rest | None:
 
 
 def _time(solution: Solution) -> float:
-    """Return t_f: the limit of the phases of slip where the motion ended before the last.
+    """Return t_f: the limit of a sequence where the motion ended before the last of it.
 
-    Aitken's limit of the beginnings of the last three, whose distances shrink by one ratio; or of
-    nutations, where friction against drilling stops a disk that goes on to slip, or to stick.
+    Of the phases of slip; or of nutations, where friction against drilling stops a disk that goes
+    on to slip, or to stick. The end of what was followed, where neither tends to a limit.
     """
     if solution.outcome is Outcome.FELL_FLAT:
         return solution.t_end
-    starts = [phase.start for phase in solution.phases if phase.kind is Kind.SLIP]
-    if len(starts) >= PHASES:
-        limit = _aitken(*starts[-PHASES:])
-    elif not _drills(solution.problem.effects) or solution.maxima.size < PHASES:
-        return solution.t_end
-    elif solution.maxima.size < NUTATIONS:
-        limit = _aitken(*solution.maxima[-PHASES:].tolist())
-    else:
-        # their ratio tends to its own limit as a power of phi: Aitken's limit of three such limits
-        thinned = solution.maxima[:: -(solution.maxima.size // TENTHS)][::-1].tolist()
-        limit = _aitken(
-            *(_aitken(*thinned[n - 3 : n]) for n in range(len(thinned) - 2, len(thinned) + 1))
-        )
-    return max(limit, solution.t_end)
+    slips = [phase.start for phase in solution.phases if phase.kind is Kind.SLIP]
+    limit = _limit(slips, solution.t_end)
+    if limit is None and _drills(solution.problem.effects):
+        maxima = solution.maxima.tolist()
+        limit = _limit(maxima, solution.t_end)
+        if limit is not None and len(maxima) >= MANY:
+            # their ratio tends to its own limit as a power of phi: the limit of three such limits
+            apart = maxima[:: -(len(maxima) // PARTS)][::-1]
+            limit = _aitken(
+                *(_aitken(*apart[n - 3 : n]) for n in range(len(apart) - 2, len(apart) + 1))
+            )
+    return solution.t_end if limit is None else max(limit, solution.t_end)
+
+
+def _limit(times: list[float], end: float) -> float | None:
+    """Return Aitken's limit of a sequence of times that goes on up to an end.
+
+    None if it ends before that, or if its limit is not that of the terms before the last: its
+    distances do not shrink by one ratio.
+    """
+    if len(times) <= TERMS:
+        return None
+    before, limit = _aitken(*times[-TERMS - 1 : -1]), _aitken(*times[-TERMS:])
+    goes_on = end - times[-1] <= GOES_ON * (times[-1] - times[-2])
+    agrees = abs(limit - before) <= AGREED * (limit - times[-1])
+    return limit if goes_on and agrees else None
 
 
 def _aitken(first: float, second: float, third: float) -> float:

@@ -70,7 +70,8 @@ def held(equations: GeneralEquations, piece: Segment, start: Floats) -> Floats:
     if not equations.moments_that_hold(mode):
         return start
     running = bool(equations.contour and not mode.runs)
-    turning = bool(equations.drilling and not mode.turns) or bool(equations.patch)
+    drills = bool(equations.drilling and not mode.turns)
+    turning = drills or bool(equations.patch and not mode.slips)
     G = _forms(y, turning=turning, level=mode.rests, running=running)
     impulses = np.zeros((CORE.size, len(G)))
     velocities = [NUMBER[row] for row in (W1, W2, W3, U1, U2)]

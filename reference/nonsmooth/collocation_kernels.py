@@ -51,9 +51,9 @@ _MOST, _PATIENCE = 30, 8
 # A change this small that shrinks as the last two did leaves less than this to the next round: a
 # third of what stands, for it is foreseen and not seen.
 _NEAR, _FORESEEN = 1e-6, STANDS / 3
-# A can whose velocities a first round changes by no more than this share of the angular velocity
-# and the length, the round-off of its rates, moves steadily. More rounds would make a noise of it
-# that long steps do not bear.
+# A can moves steadily where a first round finds its lean and velocities changed by no more than
+# this share of the angular velocity and the length, the round-off of its rates. More rounds would
+# make a noise of it that long steps do not bear.
 _ROUNDING = 2e-16
 # Of the angular velocity: changes of parts that are smaller are measured against this share.
 _PART = 1e-3
@@ -272,7 +272,7 @@ def collocate(
             f[TOTAL, j] = S * (start[W3] + y[W3, j] + T * f[PSI, j])
         for i in range(TOTAL, TIME + 1):
             _integrate(f, i, length, y)
-        moved, worst = 0.0, 0.0
+        moved, changed = 0.0, 0.0
         for i in core:
             largest, total = 0.0, 0.0
             for j in range(STAGES):
@@ -280,9 +280,12 @@ def collocate(
                 largest = max(largest, apart)
                 total += apart
             moved = inf if isnan(total) else max(moved, largest / size[i])
-            worst = max(worst, largest / max(1.0, length) if i == LEAN else largest)
         for i in range(U2 + 1):
             for j in range(STAGES):
+                if i <= W3 or i >= U1:
+                    # a lean has what velocities gather on the way
+                    share = max(1.0, length) if i == LEAN else 1.0
+                    changed = max(changed, abs(y[i, j]) / share, abs(change[i, j]) / share)
                 change[i, j] = y[i, j]
         if not moved < _HOPELESS or (rounds > patience and moved > before / 2 > _ALMOST):
             return -rounds
@@ -291,7 +294,7 @@ def collocate(
         stands = moved < _STANDS or (moved < _ALMOST and moved > before / 2)
         stands |= moved < _NEAR and moved * max(rate, gain) < _FORESEEN
         turning = max(size[W1], size[W2], size[W3])
-        if rounds == 1 and worst <= _ROUNDING * length * turning:
+        if rounds == 1 and changed <= _ROUNDING * length * turning:
             stands = steady = True
             for j in range(STAGES):
                 for i in range(LEAN, U2 + 1):

@@ -17,6 +17,7 @@ from reference.nonsmooth.events import compiled_events
 from reference.nonsmooth.hybrid_integrator import MOST_WORK, HybridIntegrator
 from reference.nonsmooth.radau_iia import STAGES, basis, coefficients, points
 from reference.nonsmooth.segments import Segment
+from reference.nonsmooth.stopping import ALL_BUT_FLAT, slows_turning
 from reference.nonsmooth.transitions import ModeTransition, begin_on_rim
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
@@ -26,6 +27,8 @@ from reference.smooth.extrema import ExtremumRecorder
 FIRST_ROUNDS = 0.4
 # Rounds of a fixed point that stand for an update of Newton's method, which does the same at less.
 ROUNDS_A_UPDATE = 4
+# Of ln tan(phi/2): so far above a disk that is all but flat its next nutations may be its last.
+NUTATES = 7.0
 # Steps that compiled code takes before it reports them.
 STEPS_A_MARCH = 32
 # Basis of a step at the first of its points.
@@ -141,6 +144,8 @@ class CompiledIntegrator(HybridIntegrator):
 
     def _passes(self) -> int:
         """Return how many of the next extrema of phi cannot end the motion."""
+        if slows_turning(self._equations) and self._y[LEAN] < ALL_BUT_FLAT + NUTATES:
+            return 0
         if not self._counts:
             return 2 * STEPS_A_MARCH
         # a minimum closes no bounce

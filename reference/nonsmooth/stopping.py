@@ -27,9 +27,9 @@ CREEPS, CREEPING = 1e-2, 2.0
 # ln tan(phi/2) of a disk with 1e-9 rad to go: from there rolling resistance brings it to rest in a
 # time that goes as the square root of phi, in ever more phases of stick and slip.
 ALL_BUT_FLAT = -21.4
-# Four decades of phi, at least, make a sequence; and a disk that has not the energy to rise by this
-# multiple of its phi has no more bounce before it.
-DECADES, RISES = 9.2, 10.0
+# Four decades of phi, at least, make a sequence. A disk that rolls steadily has w1^2 of about
+# phi/a: one that has more than this multiple of tan(phi/2) is on its way up again.
+DECADES, RISES = 9.2, 100.0
 # ln tan(phi/2) of a can that has 1e-5 rad to fall, and how much of it a step takes from there: a
 # share of exp(-3). A longer one leaves the precession, which goes with phi, no digits at its end.
 LANDING, FALL = -12.2, 3.0
@@ -66,8 +66,7 @@ def nearly_rests(equations: Equations, y: Floats, released: float) -> bool:
     """Return whether friction against turning has all but stopped a disk.
 
     It comes to rest by phases of stick and slip, or by nutations, that tend to a geometric
-    sequence: its limit is known to ten digits before all of them are followed. A can that passes
-    as near to flat on its way up again has the energy for it.
+    sequence, whose limit is known before all of them are followed.
 
     Parameters
     ----------

@@ -257,6 +257,34 @@ def test_steady_rolling_is_a_few_long_steps_and_a_faint_nutation_is_none(nutatio
         assert np.abs(moved.phi_dot).max() == pytest.approx(nutation, rel=0.1)
 
 
+@needs_numba
+@pytest.mark.parametrize(
+    ("phi", "psi_dot", "theta_dot", "effects"),
+    [
+        (0.07, 0.05, 1.6, Effects(mu=5.0)),
+        (0.3, 0.12, -0.06, Effects(mu=0.3)),
+        (0.3, 0.4, -0.3, Effects(mu=5.0, angular_damping=0.02)),
+    ],
+)
+def test_a_step_that_is_shortened_is_no_steady_motion(
+    phi: float, psi_dot: float, theta_dot: float, effects: Effects
+) -> None:
+    """Its guess is the longer step, which a first round does not change either."""
+    moves = Problem(
+        parameters=PAPER_CAN,
+        phi=phi,
+        psi_dot=psi_dot,
+        theta_dot=theta_dot,
+        duration=10.0,
+        effects=effects,
+    )
+    own, plain = solve(moves, compiled=True), solve(moves)
+    times = np.linspace(0.0, 10.0, 101)
+    for name in ("phi", "psi", "theta"):
+        apart = getattr(own.at(times), name) - getattr(plain.at(times), name)
+        assert np.abs(apart).max() < 1e-11, name
+
+
 def test_compiled_code_without_numba_is_one_message(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solver, "available", lambda: False)
     with pytest.raises(SolverError, match="install the extra `fast`"):

@@ -69,7 +69,11 @@ def test_a_motion_that_has_ended_has_none() -> None:
             ("point_mass.x", "rim.radius", "damping.linear"),
         ),
     ],
-    ids=["turning comes to rest", "slip comes to rest", "mass, rim and damping"],
+    ids=[
+        "turning comes to rest",
+        "slip comes to rest",
+        "mass, rim and damping",
+    ],
 )
 def test_phi_has_the_derivatives_of_its_differences(
     problem: Problem, names: tuple[str, ...]
@@ -91,6 +95,24 @@ def test_phi_has_the_derivatives_of_its_differences(
         # one that is nothing yet has the round-off of phi over the step
         known = slopes[:, by.index(name)]
         assert known == pytest.approx(differences, rel=1e-8, abs=1e-9), name
+
+
+def test_a_rim_that_is_held_beside_a_patch_that_turns() -> None:
+    """To 1e-4: a rim that is released with a rate is held the later for it, and so differences."""
+    held = replace(
+        ROCK,
+        phi=0.4,
+        psi_dot=0.3,
+        theta_dot=0.0,
+        effects=Effects(mu=0.3, patch=0.02, contour=0.3),
+        duration=0.4,
+    )
+    times = np.array([0.1, 0.2, 0.4])
+    by, _, slopes = nutation_tangents(held, times)
+    for name in ("theta_dot", "psi_dot", "slip.patch"):
+        ahead, behind = (solve(varied(held, name, h), model="general") for h in (1e-5, -1e-5))
+        differences = (ahead.at(times).phi - behind.at(times).phi) / 2e-5
+        assert slopes[:, by.index(name)] == pytest.approx(differences, rel=1e-4, abs=1e-9), name
 
 
 def test_where_a_slip_is_at_its_end_there_are_none() -> None:
