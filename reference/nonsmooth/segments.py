@@ -105,9 +105,6 @@ class SegmentsPath:
 
     def phases(self) -> tuple[Phase, ...]:
         """Return the intervals of one kind of contact, in order; none of a path of no duration."""
-        if len(self._modes) == 1 and self.pieces[0].length > 0:
-            kind, start = self._modes[0].kind, float(self._starts[0, TIME])
-            return (Phase(kind=kind, start=start, end=self.end_times[-1]),)
         kinds = [piece.mode.kind for piece in self.pieces if piece.length > 0]
         firsts = [n for n, kind in enumerate(kinds) if n == 0 or kind is not kinds[n - 1]]
         lasts = [*(first - 1 for first in firsts[1:]), len(kinds) - 1]

@@ -218,6 +218,7 @@ def test_drilling_friction_brings_a_disk_to_rest_in_nutations_whose_limit_is_the
 
 
 @needs_numba
+@pytest.mark.slow
 @pytest.mark.parametrize("drilling", [0.3, 0.1])
 def test_compiled_code_comes_to_rest_at_the_same_time(drilling: float) -> None:
     """To a millionth: of few nutations, whose ratio has not all of its limit."""
@@ -225,7 +226,7 @@ def test_compiled_code_comes_to_rest_at_the_same_time(drilling: float) -> None:
     assert own.outcome is Outcome.CAME_TO_REST
     rest = coming_to_rest(own)
     assert rest is not None
-    # by numpy, in the tests beside this
+    # found by numpy
     assert rest.time == pytest.approx({0.3: 11.48266, 0.1: 17.305449}[drilling], rel=1e-6)
 
 

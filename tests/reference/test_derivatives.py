@@ -196,6 +196,7 @@ def test_a_contact_point_on_the_rim(theta_dot: float, contour: float, senses: li
 HELD = {"theta_dot": -ROCK["psi_dot"] / math.cos(ROCK["phi"])}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("effects", "release", "phases", "names", "least"),
     [

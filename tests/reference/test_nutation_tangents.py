@@ -39,7 +39,8 @@ def test_phi_at_a_time_has_the_derivative_of_its_differences() -> None:
     assert rates == pytest.approx(at.phi_dot, rel=1e-9)
 
 
-@pytest.mark.parametrize("end", np.linspace(0.5, 0.6, 20))
+# an ulp beyond the end of the motion, on one machine or another
+@pytest.mark.parametrize("end", [0.5, 0.531578947368421, 0.594])
 def test_the_last_time_is_not_lost_to_rounding(end: float) -> None:
     _, rates, _ = nutation_tangents(ROCK, np.array([end]))
     assert np.isfinite(rates).all()
@@ -69,11 +70,7 @@ def test_a_motion_that_has_ended_has_none() -> None:
             ("point_mass.x", "rim.radius", "damping.linear"),
         ),
     ],
-    ids=[
-        "turning comes to rest",
-        "slip comes to rest",
-        "mass, rim and damping",
-    ],
+    ids=["turning comes to rest", "slip comes to rest", "mass, rim and damping"],
 )
 def test_phi_has_the_derivatives_of_its_differences(
     problem: Problem, names: tuple[str, ...]

@@ -4,20 +4,9 @@ import math
 from dataclasses import replace
 
 from reference import Gravity, Problem
+from reference.analysis.stepped_constants import SCALARS
 
 RELEASE = ("phi", "phi_dot", "psi_dot", "theta_dot")
-# By the keys of a scene, fields of `Effects`.
-_OF_EFFECTS = {
-    "slip.mu": "mu",
-    "slip.mu_static": "mu_static",
-    "slip.patch": "patch",
-    "drilling.length": "drilling",
-    "rolling_resistance.length": "rolling_resistance",
-    "damping.linear": "linear_damping",
-    "damping.angular": "angular_damping",
-    "rim.radius": "rim",
-    "contour_friction.coulomb": "contour",
-}
 
 
 def varied(problem: Problem, name: str, by: float) -> Problem:
@@ -28,8 +17,8 @@ def varied(problem: Problem, name: str, by: float) -> Problem:
     if name in {"a", "c", "h"}:
         can = replace(problem.parameters, **{name: getattr(problem.parameters, name) + by})
         return replace(problem, parameters=can)
-    if name in _OF_EFFECTS:
-        field = _OF_EFFECTS[name]
+    if name in SCALARS:
+        field = SCALARS[name]
         return replace(problem, effects=replace(effects, **{field: getattr(effects, field) + by}))
     if name.startswith("point_mass."):
         assert mass is not None
