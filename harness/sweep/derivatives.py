@@ -27,8 +27,9 @@ from harness.sweep.parameters import PARAMETERS, Floats
 KEYS = (*(f"release.{name}" for name in RELEASE), *(f"can.{name}" for name in CAN), "gravity")
 """Keys of a scene by which the bounce of every can has derivatives."""
 
-_OF_EFFECTS = tuple(
-    name for name in PARAMETERS if name.startswith("effects.") and name.split(".")[1] in HONOURS
+_OF_SOME = (
+    "release.height",
+    *(n for n in PARAMETERS if n.startswith("effects.") and n.split(".")[1] in HONOURS),
 )
 
 
@@ -48,7 +49,7 @@ DERIVATIVES: Mapping[str, Quantity] = MappingProxyType(
     {
         f"d_{name}/d_{key}": _quantity(name, key)
         for name in NAMES.values()
-        for key in (*KEYS, *_OF_EFFECTS)
+        for key in (*KEYS, *_OF_SOME)
     }
 )
 """Every derivative that a sweep may have, by name."""

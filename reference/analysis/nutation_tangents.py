@@ -8,13 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.analysis.linearisation import NUMBER
-from reference.analysis.stepped_constants import constants
-from reference.analysis.tangent_motion import UndecidedError, tangent_motion
+from reference.analysis.linearisation import NUMBER, UndecidedError
+from reference.analysis.release_tangents import numbers
+from reference.analysis.tangent_motion import model_of, path_in_pieces, tangent_motion
 from reference.analysis.variational import without_tangent
 from reference.equations.state_vector import LEAN, TIME, Angles
-from reference.integrable.tangents import BY
-from reference.nonsmooth.segments import SegmentsPath
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 from reference.solver import solve
@@ -36,20 +34,22 @@ def nutation_tangents(problem: Problem, times: Floats) -> tuple[tuple[str, ...],
         What derivatives are taken by.
     rates : ndarray, shape (n,)
         phi' at the times. Not a number after the motion has ended, in the last steps of a slip
-        that comes to rest (`reference.analysis.saltation.ENDING`), and of a motion whose path
-        has no pieces (`reference.nonsmooth.segments.SegmentsPath`).
+        that comes to rest (`reference.analysis.saltation.ENDING`), and of a motion without
+        derivatives that are known (`reference.analysis.tangent_motion.path_in_pieces`).
     slopes : ndarray, shape (n, k)
         Likewise, of phi at the same time.
     """
-    by = (*BY, *constants(problem.effects))
+    by = numbers(problem)
     until = replace(problem, bounces=None, duration=float(times[-1]))
-    solution = solve(until, model="general")
+    solution = solve(until, model=model_of(problem))
     rates, slopes = np.full(len(times), np.nan), np.full((len(times), len(by)), np.nan)
-    if not isinstance(solution.path, SegmentsPath):
+    try:
+        path = path_in_pieces(problem, solution)
+        motion = tangent_motion(problem, path)
+    except UndecidedError:
         return by, rates, slopes
-    motion = tangent_motion(problem, solution.path, by)
     for place in np.flatnonzero(solution.covers(times)):
-        number, c = solution.path.place(float(times[place]))
+        number, c = path.place(float(times[place]))
         if without_tangent(problem.effects, motion.pieces[: number + 1]):
             break
         try:

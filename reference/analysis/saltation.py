@@ -20,6 +20,12 @@ size of the disturbance. What is left of a disturbance is
 
 V the change of the velocities by unit impulses of those moments, with the contact kept: a
 projection in the metric of the mass.
+
+Where a plane that gives way ceases to push, or begins to, f jumps from f- to f+ where a margin g of
+the state and of the constants p is zero, and the impulse that stops a rim which never slips where
+it lands is a change M of the state and of p:
+
+    tau = -(g_y d + g_p)/(g_y f-),    d+ = M_y (d + tau f-) + M_p - tau f+.
 """
 
 from collections.abc import Callable
@@ -27,11 +33,14 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from reference.analysis.linearisation import CORE, NUMBER, by_state, jacobian
+from reference.analysis.linearisation import NUMBER, Quantity, by_state, core_of, jacobian
+from reference.analysis.unilateral_tangents import UnilateralEquations
+from reference.compliant.equations import RISE, CompliantEquations
+from reference.compliant.integrator import FLIGHT
 from reference.equations.contact_laws import Mode
 from reference.equations.frames import length
-from reference.equations.newton_euler import GeneralEquations
-from reference.equations.state_vector import LEAN, U1, U2, W1, W2, W3, Angles
+from reference.equations.newton_euler import ROLLING_1, SLIP_1, SLIP_2, GeneralEquations
+from reference.equations.state_vector import LEAN, SLIP, TURN, U1, U2, W1, W2, W3, Angles
 from reference.nonsmooth.level_spin import level_turning
 from reference.nonsmooth.segments import Segment
 from reference.problem.effects import Effects
@@ -50,7 +59,11 @@ ENDING = 1e-10
 ENDING_OF_PATCH = 3e-9
 # Ends of pieces, slower than this, from which what is left of a slip is extrapolated to its end.
 CUTS, SLOW = 4, 1e-5
-Forcing: TypeAlias = Callable[[Floats, Mode], Floats]
+ByConstants: TypeAlias = Callable[[Quantity, Floats, Mode], Floats]
+"""From a quantity, of states of shape (rows, n) and a mode, to its derivatives by m constants.
+
+Of values of shape (..., n) they have the shape (..., m, n).
+"""
 
 
 def jumps(effects: Effects) -> bool:
@@ -64,16 +77,24 @@ def slack(equations: GeneralEquations, y: Floats, mode: Mode) -> Floats:
     return np.asarray(equations.mu_static * force[2] - length(force[0], force[1]))
 
 
+def touching(equations: GeneralEquations, y: Floats, mode: Mode) -> Floats:
+    """Return the margin that is zero where the plane begins and ceases to push, shape (n,)."""
+    if isinstance(equations, UnilateralEquations):
+        return equations.touching(y, mode)
+    assert isinstance(equations, CompliantEquations)  # noqa: S101 - no other can flies
+    return equations.touching(y)
+
+
 def held(equations: GeneralEquations, piece: Segment, start: Floats) -> Floats:
     """Return disturbances without the motions that moments of friction hold from the release on."""
     mode, y = piece.mode, piece.start
-    if not equations.moments_that_hold(mode):
+    if mode.flies or not equations.moments_that_hold(mode):
         return start
     running = bool(equations.contour and not mode.runs)
     drills = bool(equations.drilling and not mode.turns)
     turning = drills or bool(equations.patch and not mode.slips)
     G = _forms(y, turning=turning, level=mode.rests, running=running)
-    impulses = np.zeros((CORE.size, len(G)))
+    impulses = np.zeros((len(start), len(G)))
     velocities = [NUMBER[row] for row in (W1, W2, W3, U1, U2)]
     impulses[velocities] = equations.impulses(y, mode)
     return np.asarray(start - impulses @ np.linalg.solve(G @ impulses, G @ start))
@@ -95,15 +116,18 @@ def across(
     piece: Segment,
     logarithms: Floats,
     *,
-    slack_by: Forcing | None,
+    by_constants: ByConstants | None,
 ) -> Floats:
     """Return disturbances at the start of a piece, of the ends of those before it.
 
     Where a slip comes to rest they are extrapolated to that instant from the last few ends.
     """
     last = ends[-1]
+    if last.piece.mode.flies or piece.mode.flies:
+        return _touched(equations, last, piece, by_constants)
     if jumps(equations.effects) and piece.mode.slips and not last.piece.mode.slips:
-        return _let_go(equations, last, piece, slack_by)
+        # static friction lets go
+        return _crossed(equations, last, piece, by_constants, margin=slack)
     comes = last.piece.mode.slips and not piece.mode.slips
     left, used = [left_out], [last]
     for end, later in zip(ends[-2::-1], ends[:0:-1], strict=True):
@@ -121,15 +145,81 @@ def across(
     return out
 
 
-def _let_go(
-    equations: GeneralEquations, end: PieceEnd, piece: Segment, slack_by: Forcing | None
+def _touched(
+    equations: GeneralEquations, end: PieceEnd, piece: Segment, by_constants: ByConstants | None
 ) -> Floats:
-    """Return disturbances after static friction has let go: f jumps where `slack` is nothing."""
-    y, mode, d = end.piece.end[:, None], end.piece.mode, end.disturbances
-    gradient = by_state(slack, equations, y, mode)
-    of_constants = 0.0 if slack_by is None else slack_by(y, mode) / np.exp(end.logarithms)
-    tau = -(gradient @ d + of_constants) / (gradient @ end.rates)
-    return np.asarray(d + np.outer(end.rates - _rates_at_start(equations, piece), tau))
+    """Return disturbances after the plane has begun, or ceased, to push."""
+    before, after = end.piece.end, piece.start
+    changed = np.abs(after - before)[[*TURN, *SLIP, RISE]].max() > RESTS
+    if end.piece.mode.flies and piece.mode.flies and not changed:
+        return end.disturbances
+    if not (end.piece.mode.flies and changed):
+        return _crossed(equations, end, piece, by_constants, margin=touching)
+    stopped = [ROLLING_1] if piece.mode.lands else []
+    stopped += [] if after[SLIP].any() and not piece.mode.flies else [SLIP_1, SLIP_2]
+
+    def struck(own: GeneralEquations, y: Floats, _: Mode) -> Floats:
+        columns = y.T.astype(complex)
+        if isinstance(own, CompliantEquations):
+            out = [own.landed(column, FLIGHT, stopped) for column in columns]
+        else:
+            assert isinstance(own, UnilateralEquations)  # noqa: S101 - no other can flies
+            out = [own.struck(column, flies=piece.mode.flies) for column in columns]
+        return np.stack(out, axis=1)[core_of(y)]
+
+    return _crossed(equations, end, piece, by_constants, margin=touching, change=struck)
+
+
+def _crossed(
+    equations: GeneralEquations,
+    end: PieceEnd,
+    piece: Segment,
+    by_constants: ByConstants | None,
+    *,
+    margin: Quantity,
+    change: Quantity | None = None,
+) -> Floats:
+    """Return disturbances after f has jumped, and the state changed, where a margin is nothing.
+
+    Parameters
+    ----------
+    equations : GeneralEquations
+    end : PieceEnd
+    piece : Segment
+        After it.
+    by_constants : callable or None
+    margin : Quantity
+        g.
+    change : Quantity, optional
+        M, from states to their rows of the core.
+    """
+    tau = delay(equations, end, margin, by_constants)
+    now = end.disturbances + np.outer(end.rates, tau)
+    if change is not None:
+        y, mode = end.piece.end[:, None], end.piece.mode
+        now = by_state(change, equations, y, mode) @ now
+        now = now + _explicit(change, end, by_constants)
+    return np.asarray(now - np.outer(_rates_at_start(equations, piece), tau))
+
+
+def delay(
+    equations: GeneralEquations,
+    end: PieceEnd,
+    margin: Quantity,
+    by_constants: ByConstants | None,
+) -> Floats:
+    """Return by how much later in sigma a margin is nothing, shape (m,), scaled."""
+    gradient = by_state(margin, equations, end.piece.end[:, None], end.piece.mode)
+    moved = gradient @ end.disturbances + _explicit(margin, end, by_constants)
+    return np.asarray(-moved / (gradient @ end.rates))
+
+
+def _explicit(quantity: Quantity, end: PieceEnd, by_constants: ByConstants | None) -> Floats:
+    """Return derivatives by constants at the end of a piece, scaled as its disturbances."""
+    if by_constants is None:
+        return np.zeros(1)
+    slopes = by_constants(quantity, end.piece.end[:, None], end.piece.mode)[..., 0]
+    return np.asarray(slopes / np.exp(end.logarithms))
 
 
 def _salted(equations: GeneralEquations, end: PieceEnd, piece: Segment) -> Floats:
@@ -160,15 +250,18 @@ def _stopped(equations: GeneralEquations, last: Segment, G: Floats) -> tuple[Flo
 
 
 def _rates_at_start(equations: GeneralEquations, piece: Segment) -> Floats:
-    """Return rates of the rows `CORE` at the start of a piece, shape (9,), in its mode."""
+    """Return rates of the core at the start of a piece, shape (k,), in its mode."""
     mode, y = piece.mode, piece.start[:, None]
+    core = core_of(y)
+    if mode.flies:
+        return np.asarray(equations.rates(y, mode, along=False)[core, 0])
     begins = mode.slips and not equations.patch and np.hypot(*y[[U1, U2], 0]) <= RESTS
     if equations.resistance and not mode.rests:
         begins = begins or bool(np.hypot(*level_turning(y)[:, 0]) <= RESTS)
     if not begins:
-        return np.asarray(equations.rates(y, mode, along=False)[CORE, 0])
+        return np.asarray(equations.rates(y, mode, along=False)[core, 0])
     near = piece.at(np.array([BEHIND, 2 * BEHIND]))
-    one, two = equations.rates(near, mode, along=False)[CORE].T
+    one, two = equations.rates(near, mode, along=False)[core].T
     return np.asarray(2 * one - two)
 
 
@@ -178,14 +271,14 @@ def endings(pieces: tuple[Segment, ...], patch: float) -> list[bool]:
     least = ENDING_OF_PATCH if patch else ENDING
     for number in range(len(pieces) - 2, 0, -1):
         here, after = pieces[number], pieces[number + 1]
-        comes = here.mode.slips and (comes or not after.mode.slips)
+        comes = here.mode.slips and not here.mode.flies and (comes or not after.mode.slips)
         comes = comes and bool(np.hypot(*here.start[[U1, U2]]) <= least)
         out[number] = comes
     return out
 
 
 def _comes_to_rest(last: Segment, piece: Segment, *, patch: bool) -> Floats:
-    """Return the forms of the state that vanish from here on, or turn round, shape (g, 9).
+    """Return the forms of the state that vanish from here on, or turn round, shape (g, k).
 
     The slip of a patch that turns passes zero as anything else does.
     """
@@ -209,7 +302,7 @@ def _forms(
     level: bool = False,
     running: bool = False,
 ) -> Floats:
-    """Return derivatives of velocities of a state, shape (13,), in the rows `CORE`."""
+    """Return derivatives of velocities of a state, shape (rows,), by its core, shape (g, k)."""
     at, w = Angles.of(y[LEAN]), y[[W1, W3]]
     forms: list[dict[int, float]] = [{U1: 1.0}, {U2: 1.0}] if slip else []
     # rates of S and C with ln tan(phi/2) are S C and -S S
@@ -225,7 +318,7 @@ def _forms(
     if running:
         by_lean = at.S * at.C * w[1] + at.S * at.S * w[0]
         forms.append({LEAN: float(by_lean), W1: -float(at.C), W3: float(at.S)})
-    out = np.zeros((len(forms), CORE.size))
+    out = np.zeros((len(forms), core_of(y).size))
     for row, form in enumerate(forms):
         for index, weight in form.items():
             out[row, NUMBER[index]] = weight

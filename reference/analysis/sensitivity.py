@@ -17,18 +17,13 @@ from reference.integrable.derivatives import NO_PATH, QUANTITIES, bounce_tangent
 from reference.integrable.exact_motion import ExactPath, exact_path
 from reference.integrable.tangents import BY
 from reference.numerics.jets import Jet
-from reference.problem.effects import Effects
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
+from reference.solution import Solution
 from reference.solver import solve
 
 # phi_max this near the balanced can, over phi_max, is beside a separatrix.
 NEAR = 1e-3
-NO_TANGENT = "The variational equations know no contact that gives way: no derivative is given."
-HAS_IMPACTS = (
-    "The can leaves the plane in its first bounce, or has none: the variational equations are "
-    "those of a rim that stays on the plane, so no derivative is given."
-)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,17 +54,9 @@ class Sensitivity:
     caveats: tuple[str, ...] = ()
 
 
-def has_tangent(effects: Effects) -> bool:
-    """Return whether the variational equations know every law of these effects."""
-    return effects.compliance is None
-
-
-def _stays_on_plane(problem: Problem) -> bool:
-    """Return whether the first bounce of a can with restitution is one without it."""
-    if problem.height > 0:
-        return False
-    solution = solve(replace(problem, bounces=1, duration=None))
-    kinds = {Kind.STICK} if problem.effects.mu is None else {Kind.STICK, Kind.SLIP}
+def _stays_on_plane(solution: Solution) -> bool:
+    """Return whether a first bounce with restitution is one without it."""
+    kinds = {Kind.STICK} if solution.problem.effects.mu is None else {Kind.STICK, Kind.SLIP}
     on_plane = {phase.kind for phase in solution.phases} <= kinds and not solution.impacts
     return on_plane and bool(solution.bounces)
 
@@ -81,21 +68,16 @@ def sensitivity(problem: Problem) -> Sensitivity:
     period and turn have two derivatives by phi', and the one returned is that towards phi' > 0,
     where a bounce begins at a maximum.
 
-    Where restitution is declared they are those of a first bounce without flight and impact, or
-    none.
-
     Parameters
     ----------
     problem : Problem
         Its horizon does not matter.
     """
-    if not has_tangent(problem.effects):
-        by = (*BY, *constants(problem.effects))
-        return _filled(by, {}, dict.fromkeys(QUANTITIES, NO_TANGENT), "none", ())
     if problem.effects.restitution is not None:
-        if not _stays_on_plane(problem):
-            by = (*BY, *constants(problem.effects))
-            return _filled(by, {}, dict.fromkeys(QUANTITIES, HAS_IMPACTS), "none", ())
+        solution = solve(replace(problem, bounces=1, duration=None))
+        if problem.height > 0 or not _stays_on_plane(solution):
+            by, jets, why = motion_tangents(problem, solution)
+            return _filled(by, jets, why, "variational equations", _one_sided(problem))
         # a motion without impacts is that of the same can without restitution
         problem = replace(problem, effects=replace(problem.effects, restitution=None))
     path = None if problem.effects.declared() else exact_path(problem, locus=False)
@@ -137,6 +119,8 @@ def _one_sided(problem: Problem) -> tuple[str, ...]:
         )
     values, declared = asdict(problem.effects), constants(problem.effects)
     bound = [name for name, field in SCALARS.items() if name in declared and values[field] == 0.0]
+    if problem.effects.compliance is not None and problem.effects.compliance.damping == 0.0:
+        bound.append("compliance.damping")
     if bound:
         named = ", ".join(f"effects.{name}" for name in bound)
         sentences.append(

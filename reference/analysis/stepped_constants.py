@@ -4,16 +4,22 @@ Derivatives by them are exact to round-off, as those by the state
 (`reference.analysis.linearisation`).
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from reference.analysis.linearisation import STEP
+from reference.analysis.linearisation import STEP, Quantity
+from reference.analysis.unilateral_tangents import UnilateralEquations
+from reference.compliant.equations import CompliantEquations
+from reference.equations.contact_laws import Mode
 from reference.equations.newton_euler import GeneralEquations
 from reference.integrable.frobenius import CanConstants
-from reference.problem.effects import Effects, Gravity, Mass
+from reference.problem.can import Parameters
+from reference.problem.effects import LINEAR, Compliance, Effects, Gravity, Mass, Restitution
 from reference.problem.problem import Problem
+from reference.problem.states import Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,6 +38,23 @@ class _SteppedGravity(Gravity):
 class _SteppedMass(Mass):
     def __post_init__(self) -> None:
         """Likewise."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _SteppedRestitution(Restitution):
+    def __post_init__(self) -> None:
+        """Likewise."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _SteppedCompliance(Compliance):
+    def __post_init__(self) -> None:
+        """Likewise."""
+
+    def depth_under(self, load: float) -> float:
+        """Return the depth that bears a load, complex as the law is."""
+        depth: Any = (load / self.stiffness) ** (1 / self.exponent)
+        return depth  # type: ignore[no-any-return]
 
 
 SCALARS = {
@@ -55,6 +78,16 @@ NOT_AT_ZERO = frozenset(
 """Those by which there is no derivative at zero: another law holds there."""
 OF_MASS = {"mass": "share", "x": "x", "y": "y", "z": "z"}
 OF_SHAKING = ("x", "y", "z", "rate", "phase")
+OF_COMPLIANCE = ("stiffness", "damping", "exponent")
+
+
+def equations_of_contact(parameters: Parameters, effects: Effects) -> GeneralEquations:
+    """Return the equations of a can on its contact, of the largest model that is declared."""
+    if effects.restitution is not None:
+        return UnilateralEquations(parameters=parameters, effects=effects)
+    if effects.compliance is None:
+        return GeneralEquations(parameters=parameters, effects=effects)
+    return CompliantEquations(parameters=parameters, effects=effects, law=effects.compliance)
 
 
 def constants(effects: Effects) -> tuple[str, ...]:
@@ -70,6 +103,16 @@ def constants(effects: Effects) -> tuple[str, ...]:
         names += [f"shake.{name}" for name in OF_SHAKING]
     if "point_mass" in declared:
         names += [f"point_mass.{name}" for name in OF_MASS]
+    if effects.compliance is not None:
+        # a power of the depth has another damping than a linear contact
+        names += [
+            f"compliance.{name}"
+            for name in OF_COMPLIANCE
+            if name != "exponent" or effects.compliance.exponent > LINEAR
+        ]
+    if effects.restitution is not None and effects.restitution.coefficient > 0.0:
+        # without restitution there is no sequence of impacts
+        names.append("restitution.coefficient")
     return tuple(names)
 
 
@@ -87,10 +130,18 @@ def stepped(problem: Problem, name: str) -> GeneralEquations:
         mass: dict[str, Any] = {field: getattr(effects.mass, field) for field in Mass.__slots__}
         mass[OF_MASS[constant]] += 1j * STEP
         values["mass"] = _SteppedMass(**mass)
+    elif effect == "compliance" and effects.compliance is not None:
+        law: dict[str, Any] = {key: getattr(effects.compliance, key) for key in OF_COMPLIANCE}
+        law[constant] += 1j * STEP
+        values["compliance"] = _SteppedCompliance(**law)
+    elif effect == "restitution" and effects.restitution is not None:
+        given = effects.restitution
+        moved: Any = given.coefficient + 1j * STEP
+        values["restitution"] = _SteppedRestitution(coefficient=moved, law=given.law)
     else:
         values["gravity"] = _stepped_gravity(effects.gravity, effect, constant)
     parameters: Any = CanConstants(**{field: np.asarray(value) for field, value in can.items()})
-    return GeneralEquations(parameters=parameters, effects=_SteppedEffects(**values))
+    return equations_of_contact(parameters, _SteppedEffects(**values))
 
 
 def _stepped_gravity(gravity: Gravity, effect: str, constant: str) -> Gravity:
@@ -111,3 +162,33 @@ def _stepped_gravity(gravity: Gravity, effect: str, constant: str) -> Gravity:
             old + new for old, new in zip(gravity.amplitude, steps, strict=True)
         )
     return _SteppedGravity(**values)
+
+
+def by_varied(
+    varied: Mapping[int, GeneralEquations], count: int, quantity: Quantity, y: Floats, mode: Mode
+) -> Floats:
+    """Return the derivatives of a quantity of states by numbers, at a fixed state.
+
+    Parameters
+    ----------
+    varied : mapping of int to GeneralEquations
+        With one of the numbers stepped each, by its place among them.
+    count : int
+        Of the numbers, m.
+    quantity : Quantity
+        Of shape (..., n).
+    y : ndarray, shape (rows, n)
+    mode : Mode
+
+    Returns
+    -------
+    ndarray, shape (..., m, n)
+    """
+    slopes = {
+        place: quantity(each, y.astype(complex), mode).imag / STEP for place, each in varied.items()
+    }
+    shape = next(iter(slopes.values())).shape
+    out = np.zeros((*shape[:-1], count, shape[-1]))
+    for place, slope in slopes.items():
+        out[..., place, :] = slope
+    return out

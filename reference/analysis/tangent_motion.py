@@ -10,30 +10,38 @@ theorem). Those by the constants of the can and of its effects:
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
 from reference.analysis.bounces import humps
-from reference.analysis.linearisation import CORE, NUMBER, STEP, Quantity, by_state
-from reference.analysis.saltation import jumps, slack
-from reference.analysis.stepped_constants import constants, stepped
+from reference.analysis.linearisation import (
+    NUMBER,
+    Quantity,
+    UndecidedError,
+    by_state,
+    core_of,
+)
+from reference.analysis.release_tangents import OF_RELEASE, numbers, released_tangents
+from reference.analysis.saltation import RESTS, PieceEnd, delay, jumps, touching
+from reference.analysis.stepped_constants import by_varied, equations_of_contact, stepped
+from reference.analysis.unilateral_tangents import UnilateralEquations, with_flights
 from reference.analysis.variational import (
     Stretch,
-    release_disturbances,
     stretches,
     without_tangent,
 )
 from reference.equations.contact_laws import Mode
 from reference.equations.frames import length
 from reference.equations.newton_euler import GeneralEquations
-from reference.equations.state_vector import LEAN, PSI, SLIP, TIME, W1, W2, Angles
+from reference.equations.state_vector import LEAN, PSI, SLIP, TIME, TURN, W1, W2, Angles
 from reference.integrable.derivatives import PULLED, QUANTITIES
-from reference.integrable.tangents import BY
 from reference.nonsmooth.segments import AHEAD, Segment, SegmentsPath
 from reference.numerics.jets import Jet
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
+from reference.solution import Solution
 from reference.solver import solve
 
 # Places of a piece among which a peak is looked for, and halvings that find it to round-off.
@@ -46,17 +54,10 @@ ANOTHER = "the peak could not be told from others"
 KINK = "the peak is where the law of the contact changes, and differs on its two sides"
 
 
-class UndecidedError(ArithmeticError):
-    """A derivative that does not exist; says why."""
-
-
-def _released(problem: Problem, count: int) -> Floats:
-    """Return the derivatives of the state at the release, rows `CORE`, shape (9, count)."""
-    out = np.zeros((CORE.size, count))
-    # of those of `release_disturbances`: phi, psi' and theta'; phi' has the place of theta
-    out[:, [0, 2, 3]] = release_disturbances(problem)[:, [0, 2, 3]]
-    out[NUMBER[W2], 1] = -1.0
-    return out
+# Where phi turns by itself its rate is a round-off.
+TURNS = 1e-6
+# Accelerations of phi no larger than this are the round-off of none.
+STAYS = 1e-13
 
 
 def _precession(_: GeneralEquations, y: Floats, __: Mode) -> Floats:
@@ -64,8 +65,14 @@ def _precession(_: GeneralEquations, y: Floats, __: Mode) -> Floats:
 
 
 def _friction(equations: GeneralEquations, y: Floats, mode: Mode) -> Floats:
+    if mode.flies:
+        return np.zeros_like(y[0])
     force = equations.contact(y, mode).force
     return np.asarray(length(force[0], force[1]) / force[2])
+
+
+Place = tuple[int, float]
+"""Number of a piece, and where in it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,43 +82,75 @@ class TangentMotion:
     Attributes
     ----------
     equations : GeneralEquations
-    varied : tuple of GeneralEquations
-        With one constant of `by` stepped each; the last of `by`.
     by : tuple of str
+    varied : dict of int to GeneralEquations
+        With one number of `by` stepped each, by its place there: of the can and of effects.
     pieces : tuple of Segment
     stretches : dict of int to Stretch
         By the number of the piece.
     """
 
     equations: GeneralEquations
-    varied: tuple[GeneralEquations, ...]
     by: tuple[str, ...]
+    varied: Mapping[int, GeneralEquations]
     pieces: tuple[Segment, ...]
     stretches: Mapping[int, Stretch]
 
     def state(self, number: int, c: float) -> Floats:
-        """Return the state at a place, shape (13, 1), with the direction of a slip that begins."""
+        """Return the state at a place, (rows, 1), with the direction of a slip that begins."""
         piece = self.pieces[number]
         y = piece.at(np.array([c]))
-        begins = piece.mode.slips and not self.equations.patch
+        begins = piece.mode.slips and not piece.mode.flies and not self.equations.patch
         if begins and not y[SLIP].any():
             y[SLIP] = piece.at(np.array([c + AHEAD]))[SLIP]
         return y
 
     def rates(self, number: int, c: float) -> Floats:
-        """Return the rates of the rows `CORE` at a place, shape (9,)."""
+        """Return the rates of the core at a place, shape (k,)."""
         y, mode = self.state(number, c), self.pieces[number].mode
-        return np.asarray(self.equations.rates(y, mode, along=False)[CORE, 0])
+        return np.asarray(self.equations.rates(y, mode, along=False)[core_of(y), 0])
 
     def disturbances(self, number: int, c: float, *, turns: bool) -> Floats:
-        """Return derivatives of the state, rows `CORE`; where phi turns those of that instant."""
+        """Return derivatives of the core; where phi turns those of that instant."""
         if number not in self.stretches:
             raise UndecidedError(KINK)
         d = self.stretches[number].at(c)
         if not turns:
             return d
+        if abs(float(self.state(number, c)[W2, 0])) > TURNS:
+            # phi turns where the rim lands, and its rate jumps there
+            return self.at_switch((number, c))
         f = self.rates(number, c)
-        return np.asarray(d - np.outer(f / f[NUMBER[W2]], d[NUMBER[W2]]))
+        turning = d[NUMBER[W2]]
+        # nothing turns a can that falls without turning: its rate of phi stays what it was
+        late = turning / f[NUMBER[W2]] if abs(f[NUMBER[W2]]) > STAYS else turning * np.inf
+        late[turning == 0.0] = 0.0
+        return np.asarray(d - np.outer(f, late))
+
+    def switches(self, number: int) -> bool:
+        """Return whether a touch, an impact or a lift is between a piece and the one before."""
+        if not 0 < number < len(self.pieces):
+            return False
+        before, after = self.pieces[number - 1], self.pieces[number]
+        jump = (after.start - before.end)[[*TURN, -1]] if before.mode.flies else np.zeros(1)
+        return before.mode.flies != after.mode.flies or bool(np.abs(jump).max() > RESTS)
+
+    def at_switch(self, place: Place) -> Floats:
+        """Return derivatives of the core at the instant of a touch, an impact or a lift.
+
+        Of the state before it at the end of a piece, and of that after it at the start of one.
+        """
+        number, c = place
+        before = number if c > 0.0 else number - 1
+        if before < 0 or not (self.switches(before + 1) or self.pieces[before].mode.flies):
+            raise UndecidedError(KINK)
+        stretch, cut = self.stretches[before], self.pieces[before].cut
+        now, rates = stretch.at(cut), stretch.rates[:, -1]
+        end = PieceEnd(self.pieces[before], rates, now, np.zeros(len(self.by)))
+        tau = delay(self.equations, end, touching, partial(by_varied, self.varied, len(self.by)))
+        if c == 0.0:
+            now, rates = self.stretches[number].at(0.0), self.rates(number, 0.0)
+        return np.asarray(now + np.outer(rates, tau))
 
     def value(self, quantity: Quantity, number: int, c: float) -> float:
         """Return a quantity at a place."""
@@ -119,24 +158,24 @@ class TangentMotion:
         return float(quantity(self.equations, self.state(number, c), mode)[0])
 
     def gradient(self, quantity: Quantity, number: int, c: float) -> tuple[float, Floats, Floats]:
-        """Return a quantity at a place, and its derivatives by the rows `CORE` and by `by`."""
+        """Return a quantity at a place, and its derivatives by the core and by `by`."""
         y, mode = self.state(number, c), self.pieces[number].mode
         slope = by_state(quantity, self.equations, y, mode)
-        by_constants = [
-            float(quantity(each, y.astype(complex), mode)[0].imag) / STEP for each in self.varied
-        ]
-        value = self.value(quantity, number, c)
-        none = np.zeros(len(self.by) - len(by_constants))
-        return value, slope, np.concatenate([none, by_constants])
+        explicit = by_varied(self.varied, len(self.by), quantity, y, mode)[:, 0]
+        return self.value(quantity, number, c), slope, explicit
 
 
-def motion_tangents(problem: Problem) -> tuple[tuple[str, ...], dict[str, Jet], dict[str, str]]:
+def motion_tangents(
+    problem: Problem, solution: Solution | None = None
+) -> tuple[tuple[str, ...], dict[str, Jet], dict[str, str]]:
     """Return the numbers of the first bounce in jets, of any can.
 
     Parameters
     ----------
     problem : Problem
         Its horizon does not matter.
+    solution : Solution, optional
+        Of its first bounce, by the model of `model_of`.
 
     Returns
     -------
@@ -147,15 +186,20 @@ def motion_tangents(problem: Problem) -> tuple[tuple[str, ...], dict[str, Jet], 
     why : dict of str to str
         Why there is no derivative, of the quantities that are left out.
     """
-    by = (*BY, *constants(problem.effects))
-    solution = solve(replace(problem, bounces=1, duration=None), model="general")
-    path = solution.path
-    if not solution.bounces or not isinstance(path, SegmentsPath):
+    by = numbers(problem)
+    if solution is None:
+        solution = solve(replace(problem, bounces=1, duration=None), model=model_of(problem))
+    if not solution.bounces:
         reason = f"{NO_BOUNCE}: {solution.outcome.value.rstrip('.')}"
         return by, {}, dict.fromkeys(QUANTITIES, reason)
-    if reason := without_tangent(problem.effects, path.pieces):
+    try:
+        path = path_in_pieces(problem, solution)
+        reason = without_tangent(problem.effects, path.pieces)
+        motion = None if reason else tangent_motion(problem, path)
+    except UndecidedError as error:
+        reason, motion = str(error), None
+    if motion is None:
         return by, {}, dict.fromkeys(QUANTITIES, reason)
-    motion = tangent_motion(problem, path, by)
     jets: dict[str, Jet] = {}
     why: dict[str, str] = {}
     t0, t1 = float(solution.maxima[0]), float(solution.maxima[1])
@@ -187,44 +231,58 @@ def motion_tangents(problem: Problem) -> tuple[tuple[str, ...], dict[str, Jet], 
     return by, jets, why
 
 
-def tangent_motion(problem: Problem, path: SegmentsPath, by: tuple[str, ...]) -> TangentMotion:
-    """Return a motion that was solved with its derivatives along all of it.
+def model_of(problem: Problem) -> str:
+    """Return the model whose path has derivatives along it."""
+    laws = problem.effects.compliance, problem.effects.restitution
+    return "auto" if any(law is not None for law in laws) else "general"
+
+
+def path_in_pieces(problem: Problem, solution: Solution) -> SegmentsPath:
+    """Return the path of a solution by the model of `model_of`, in pieces with derivatives.
+
+    Raises
+    ------
+    UndecidedError
+        If the motion has no derivatives that are known.
+    """
+    path = solution.path
+    equations = equations_of_contact(problem.parameters, problem.effects)
+    if isinstance(equations, UnilateralEquations):
+        path = with_flights(solution, equations)
+    if not isinstance(path, SegmentsPath):
+        raise UndecidedError(f"{NO_BOUNCE}: {solution.outcome.value.rstrip('.')}")
+    return path
+
+
+def tangent_motion(problem: Problem, path: SegmentsPath) -> TangentMotion:
+    """Return a motion with its derivatives along all of it.
 
     Parameters
     ----------
     problem : Problem
     path : SegmentsPath
-        Of its solution by the general model.
-    by : tuple of str
-        The names `BY` and the constants of its effects.
+        Of `path_in_pieces`.
+
+    Raises
+    ------
+    UndecidedError
+        If the release or an impact has no derivative.
     """
-    equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
-    varied = tuple(stepped(problem, name) for name in by[by.index("a") :])
-    fixed = len(by) - len(varied)
-
-    def forcing(y: Floats, mode: Mode) -> Floats:
-        out = np.zeros((CORE.size, len(by), y.shape[1]))
-        for place, each in enumerate(varied):
-            rates = each.rates(y.astype(complex), mode, along=False)
-            out[:, fixed + place] = rates[CORE].imag / STEP
-        return out
-
-    def slack_by(y: Floats, mode: Mode) -> Floats:
-        by_varied = [float(slack(each, y.astype(complex), mode)[0].imag) / STEP for each in varied]
-        return np.concatenate([np.zeros(fixed), by_varied])
-
+    by = numbers(problem)
+    equations = equations_of_contact(problem.parameters, problem.effects)
+    varied = {
+        place: stepped(problem, name) for place, name in enumerate(by) if name not in OF_RELEASE
+    }
     number = {id(piece): place for place, piece in enumerate(path.pieces)}
-    flow = stretches(equations, path.pieces, _released(problem, len(by)), forcing, slack_by)
+    start = released_tangents(problem, path.pieces[0], by)
+    flow = stretches(equations, path.pieces, start, partial(by_varied, varied, len(by)))
     return TangentMotion(
         equations=equations,
-        varied=varied,
         by=by,
+        varied=varied,
         pieces=path.pieces,
         stretches={number[id(stretch.piece)]: stretch for stretch in flow},
     )
-
-
-Place = tuple[int, float]
 
 
 def _limit(motion: TangentMotion, starts: Place, ends: Place) -> Jet | None:
@@ -233,7 +291,7 @@ def _limit(motion: TangentMotion, starts: Place, ends: Place) -> Jet | None:
     It is the static one where the rim sticks before.
     """
     pieces = motion.pieces[starts[0] : ends[0] + 1]
-    if motion.equations.patch or not any(piece.mode.slips for piece in pieces):
+    if motion.equations.patch or not any(_slides(piece) for piece in pieces):
         return None
     name, value = "slip.mu", motion.equations.mu
     if jumps(motion.equations.effects) and not all(piece.mode.slips for piece in pieces):
@@ -245,7 +303,11 @@ def _limit(motion: TangentMotion, starts: Place, ends: Place) -> Jet | None:
 
 def _begins(pieces: tuple[Segment, ...]) -> bool:
     """Return whether a rim that sticks begins to slip."""
-    return any(piece.mode.slips and not before.mode.slips for before, piece in pairwise(pieces))
+    return any(_slides(piece) and not before.mode.slips for before, piece in pairwise(pieces))
+
+
+def _slides(piece: Segment) -> bool:
+    return piece.mode.slips and not piece.mode.flies
 
 
 def _peak(
@@ -277,19 +339,36 @@ def _peak(
 
     for best in sorted(humps(np.array(values)), key=values.__getitem__, reverse=True):
         # the end of a piece is the start of the next: two places further it is another instant
-        low, high = places[max(best - 2, 0)], places[min(best + 2, len(places) - 1)]
+        low, high = (_beside(motion, places, best, step) for step in (-1, 1))
         if best in edges and rising(low) == rising(high):
             at, turns = edges[best]
         else:
             at, turns = _top(motion, rising, low, high), False
+        number, c = at
+        cut_off = motion.switches(number if c == 0.0 else number + 1)
+        cut_off = cut_off and not turns and c in {0.0, motion.pieces[number].cut}
         _, by_row, by_constants = motion.gradient(quantity, *at)
         value = motion.value(quantity, *at)
         if abs(value - known) <= SAME_PEAK * abs(known):
             break
     else:
         raise UndecidedError(ANOTHER)
-    slope = by_row @ motion.disturbances(*at, turns=turns) + by_constants
+    disturbances = motion.at_switch(at) if cut_off else motion.disturbances(*at, turns=turns)
+    slope = by_row @ disturbances + by_constants
     return Jet(np.asarray(value), slope)
+
+
+def _beside(motion: TangentMotion, places: list[Place], best: int, step: int) -> Place:
+    """Return the place two further, or the last before a switch of the contact."""
+    at = best
+    for _ in range(2):
+        if not 0 <= at + step < len(places):
+            break
+        here, there = places[at][0], places[at + step][0]
+        if here != there and motion.switches(max(here, there)):
+            break
+        at += step
+    return places[at]
 
 
 def _top(motion: TangentMotion, rising: Callable[[Place], bool], low: Place, high: Place) -> Place:

@@ -22,8 +22,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from reference.analysis.linearisation import CORE, NUMBER, jacobian
-from reference.analysis.saltation import CUTS, Forcing, PieceEnd, across, endings, held, jumps
+from reference.analysis.linearisation import CORE, NUMBER, core_of, jacobian
+from reference.analysis.saltation import CUTS, ByConstants, PieceEnd, across, endings, held, jumps
+from reference.equations.contact_laws import Mode
 from reference.equations.newton_euler import GeneralEquations
 from reference.equations.state_vector import (
     LEAN,
@@ -51,16 +52,16 @@ class Stretch:
 
     Attributes
     ----------
-    states : ndarray, shape (13, n)
+    states : ndarray, shape (rows, n)
         Of the motion; the last at the end of the piece.
-    rates : ndarray, shape (9, n)
-        Of the rows `CORE`, in sigma.
-    disturbances : ndarray, shape (9, m, n)
-        Of the rows `CORE`, at the same sigma, scaled.
+    rates : ndarray, shape (k, n)
+        Of the core (`reference.analysis.linearisation.core_of`), in sigma.
+    disturbances : ndarray, shape (k, m, n)
+        Likewise, at the same sigma, scaled.
     logarithms : ndarray, shape (m,)
         Of the scales: exp of them times the above is what was disturbed.
     piece : Segment
-    start : ndarray, shape (9, m)
+    start : ndarray, shape (k, m)
         Disturbances at the start of the piece, scaled.
     """
 
@@ -72,7 +73,7 @@ class Stretch:
     start: Floats
 
     def at(self, c: float) -> Floats:
-        """Return the disturbances at a place in [0, cut] of the piece, shape (9, m), not scaled."""
+        """Return the disturbances at a place in [0, cut] of the piece, shape (k, m), not scaled."""
         change = coefficients(self.disturbances - self.start[:, :, None])
         scaled = self.start + change @ basis(np.array([c / self.piece.cut]))[0]
         return np.asarray(scaled * np.exp(self.logarithms))
@@ -96,7 +97,7 @@ class Stretch:
 
 def without_tangent(effects: Effects, pieces: tuple[Segment, ...]) -> str:
     """Return why disturbances of a motion obey no equations that are here; empty if they do."""
-    slips = any(piece.mode.slips for piece in pieces)
+    slips = any(piece.mode.slips and not piece.mode.flies for piece in pieces)
     if effects.patch and slips and jumps(effects):
         return LETS_GO
     return CREEPS if any(piece.mode.creeps for piece in pieces) else ""
@@ -119,8 +120,7 @@ def stretches(
     equations: GeneralEquations,
     pieces: tuple[Segment, ...],
     start: Floats,
-    forcing: Forcing | None = None,
-    slack_by: Forcing | None = None,
+    by_constants: ByConstants | None = None,
 ) -> Iterator[Stretch]:
     """Yield the disturbances along each piece of a motion.
 
@@ -129,13 +129,11 @@ def stretches(
     equations : GeneralEquations
         Of the motion that the pieces are.
     pieces : tuple of Piece
-    start : ndarray, shape (9, m)
-        Disturbances of the rows `CORE` at the release.
-    forcing : callable, optional
-        What is added to J d, from states of shape (13, n) and their mode, shape (9, m, n): of
-        disturbances of the constants of the equations.
-    slack_by : callable, optional
-        Likewise of `slack`, shape (m,), from a state of shape (13, 1).
+    start : ndarray, shape (k, m)
+        Disturbances of the core at the release.
+    by_constants : callable, optional
+        Derivatives of quantities by those constants of the equations that the disturbances are
+        of, zero of all others.
     """
     now, logarithms = held(equations, pieces[0], start), np.zeros(start.shape[1])
     ends: list[PieceEnd] = []
@@ -145,14 +143,16 @@ def stretches(
             left_out += piece.length * piece.cut
             continue
         if ends:
-            now = across(equations, ends, left_out, piece, logarithms, slack_by=slack_by)
+            now = across(equations, ends, left_out, piece, logarithms, by_constants=by_constants)
         scale = np.linalg.norm(now, axis=0)
         scale[scale == 0] = 1.0
         now, logarithms = now / scale, logarithms + np.log(scale)
         y = piece.at(piece.cut * points())
         rates, J = jacobian(equations, y, piece.mode)
         core = [NUMBER[row] for row in equations.core(piece.mode).tolist()]
-        forced = None if forcing is None else forcing(y, piece.mode) / np.exp(logarithms)[:, None]
+        forced = None
+        if by_constants is not None:
+            forced = by_constants(_rates, y, piece.mode) / np.exp(logarithms)[:, None]
         change = _change(J, piece.length * piece.cut, now, core, forced)
         disturbances = now[:, :, None] + change
         yield Stretch(
@@ -167,10 +167,14 @@ def stretches(
         ends = [*ends[1 - CUTS :], PieceEnd(piece, rates[:, -1], now, logarithms)]
 
 
+def _rates(equations: GeneralEquations, y: Floats, mode: Mode) -> Floats:
+    return np.asarray(equations.rates(y, mode, along=False)[core_of(y)])
+
+
 def _change(
     J: Floats, length: float, start: Floats, core: list[int], forced_by: Floats | None = None
 ) -> Floats:
-    """Solve the collocation equations of one step, shape (9, m, points); after the core the rest.
+    """Solve the collocation equations of one step, shape (k, m, points); after the core the rest.
 
     The rows of the core depend on each other alone, and all others on them.
     """

@@ -113,6 +113,23 @@ class VibrationFilter(ExtremumRecorder):
             super().extremum(time, extreme, maximum=maximum)
 
 
+def on_rigid_plane(problem: Problem) -> tuple[GeneralEquations, Floats, ModeTransition]:
+    """Return the equations of the rigid contact, and how a release on it begins, shape (13,)."""
+    at_a_point = replace(problem.effects, patch=0.0)
+    rigid = GeneralEquations(parameters=problem.parameters, effects=at_a_point)
+    return rigid, *begin_on_rim(rigid, released(problem))
+
+
+def bears(now: ModeTransition) -> bool:
+    """Return whether a rigid contact has one normal force, of either sign."""
+    return now.ending in {None, Outcome.LIFTED}
+
+
+def load_of(rigid: GeneralEquations, y: Floats, mode: Mode) -> Floats:
+    """Return the normal force of a rigid contact over m g, shape (n,)."""
+    return np.asarray(rigid.contact(y, mode).force[2] / Angles.of(y[LEAN]).S)
+
+
 class CompliantPath(SegmentsPath):
     """A sequence of pieces in contact and in flight."""
 
@@ -150,18 +167,15 @@ class CompliantIntegrator(HybridIntegrator):
         plane, for the time that it takes to creep alone, and a force then as that of a point.
         """
         law = self._law
-        at_a_point = replace(law.effects, patch=0.0)
-        rigid = GeneralEquations(parameters=law.parameters, effects=at_a_point)
         y = np.zeros(ROWS)
         y[:RIGID_ROWS] = released(problem)
         y[DEPTH] = -problem.height
         if problem.height > 0:
             return y, ModeTransition(mode=FLIGHT)
-        start, now = begin_on_rim(rigid, released(problem))
+        rigid, start, now = on_rigid_plane(problem)
         load = 1.0
-        if now.ending in {None, Outcome.LIFTED}:
-            column = now.infinitesimal(start)
-            load = float(rigid.contact(column, now.mode).force[2, 0] / np.sin(problem.phi))
+        if bears(now):
+            load = float(load_of(rigid, now.infinitesimal(start), now.mode)[0])
         if load <= 0:
             return y, ModeTransition(mode=FLIGHT)
         y[:RIGID_ROWS], y[DEPTH] = start, law.law.depth_under(load)

@@ -83,7 +83,7 @@ class SegmentsPath:
         self, pieces: Sequence[Segment], equations: Equations, end: float, *, locus: bool
     ) -> None:
         self.pieces = tuple(pieces)
-        self._equations = equations
+        self.equations = equations
         self._locus = locus
         self._starts = np.array([piece.start for piece in pieces])
         self._coefficients = np.array([piece.coefficients for piece in pieces])
@@ -118,7 +118,7 @@ class SegmentsPath:
         """Return all rows at the given times, shape (13, n), and in which piece each is."""
         number = np.searchsorted(self._starts[:, TIME], times, side="right") - 1
         number = np.minimum(np.maximum(number, 0), len(self._cuts) - 1)
-        if isinstance(self._equations, CompiledEquations):
+        if isinstance(self.equations, CompiledEquations):
             from reference.nonsmooth import path_kernels
 
             pieces = self._starts, self._coefficients, self._cuts, self._spans
@@ -153,7 +153,7 @@ class SegmentsPath:
         tops : ndarray of int, shape (bounces + 1,)
             Which of them are maxima.
         """
-        equations = self._equations
+        equations = self.equations
         if not isinstance(equations, CompiledEquations) or equations.resistance:
             return None
         from reference.nonsmooth import path_kernels
@@ -202,8 +202,8 @@ class SegmentsPath:
 
     def _states(self, y: Floats, number: NDArray[np.intp]) -> States:
         slips = np.array([mode.slips for mode in self._modes])[self._mode[number]]
-        if isinstance(self._equations, CompiledEquations) and not self._equations.resistance:
-            return self._compiled_states(self._equations, y, slips, number)
+        if isinstance(self.equations, CompiledEquations) and not self.equations.resistance:
+            return self._compiled_states(self.equations, y, slips, number)
         at = Angles.of(y[LEAN])
         psi_dot = y[W1] / at.S
         cos, sin = np.cos(y[PSI]), np.sin(y[PSI])
@@ -212,7 +212,7 @@ class SegmentsPath:
             own = self._mode[number] == index
             if own.any():
                 sliding = self._begun(y[:, own], number[own], mode)
-                force[:, own] = self._equations.contact(sliding, mode).force / at.S[own]
+                force[:, own] = self.equations.contact(sliding, mode).force / at.S[own]
         u1, u2 = np.where(slips, y[U1], 0.0), np.where(slips, y[U2], 0.0)
         return States(
             phi=2 * np.arctan(at.T),
@@ -269,7 +269,7 @@ class SegmentsPath:
 
     def _begun(self, y: Floats, number: NDArray[np.intp], mode: Mode) -> Floats:
         """Return states with the direction of a slip or rolling that begins at this instant."""
-        if self._equations.resistance and not mode.rests and (resting := stands(y)).any():
+        if self.equations.resistance and not mode.rests and (resting := stands(y)).any():
             ahead = self._coefficients[number[resting]] @ basis_at((AHEAD,))[0]
             level = to_level(ahead.T[TURN], Angles.of(y[LEAN, resting]))[:2]
             y = y.copy()

@@ -95,6 +95,17 @@ def jet_sqrt(x: Jet) -> Jet:
     return x.through(value, 0.5 / value)
 
 
+def jet_exp(x: Jet) -> Jet:
+    """Return the exponential."""
+    value = np.exp(x.value)
+    return x.through(value, value)
+
+
+def jet_log(x: Jet) -> Jet:
+    """Return the natural logarithm."""
+    return x.through(np.log(x.value), 1 / x.value)
+
+
 def jet_sin(x: Jet) -> Jet:
     """Return the sine."""
     return x.through(np.sin(x.value), np.cos(x.value))

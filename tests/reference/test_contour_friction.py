@@ -8,8 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from reference import PAPER_CAN, Compliance, EffectError, Effects, Outcome, Problem, solve
-from reference.analysis.sensitivity import NO_TANGENT, sensitivity
+from reference import PAPER_CAN, EffectError, Effects, Outcome, Problem, solve
+from reference.analysis.sensitivity import sensitivity
 from reference.analysis.variational import LETS_GO
 from reference.nonsmooth.segments import SegmentsPath
 from reference.problem.can import Parameters
@@ -140,16 +140,9 @@ def test_a_smaller_model_is_refused() -> None:
 GENTLE = Problem(parameters=PAPER_CAN, phi=0.4, psi_dot=0.123, theta_dot=-0.0614, bounces=1)
 
 
-@pytest.mark.parametrize(
-    ("effects", "reason"),
-    [
-        (Effects(compliance=Compliance(stiffness=1e3)), NO_TANGENT),
-        (Effects(mu=0.2, mu_static=0.25, patch=0.01), LETS_GO),
-    ],
-    ids=["gives way", "a patch lets go"],
-)
-def test_derivatives_that_are_not_there_say_so(effects: Effects, reason: str) -> None:
+def test_derivatives_that_are_not_there_say_so() -> None:
     still = -GENTLE.psi_dot / math.cos(GENTLE.phi)
-    own = sensitivity(replace(GENTLE, theta_dot=still, effects=effects))
+    lets_go = Effects(mu=0.2, mu_static=0.25, patch=0.01)
+    own = sensitivity(replace(GENTLE, theta_dot=still, effects=lets_go))
     assert np.isnan(np.concatenate(list(own.derivatives.values()))).all()
-    assert set(own.why.values()) == {reason}
+    assert set(own.why.values()) == {LETS_GO}

@@ -11,8 +11,8 @@ RELEASE = ("phi", "phi_dot", "psi_dot", "theta_dot")
 
 def varied(problem: Problem, name: str, by: float) -> Problem:
     """Return a problem with one number changed."""
-    effects, mass = problem.effects, problem.effects.mass
-    if name in RELEASE:
+    effects = problem.effects
+    if name in {*RELEASE, "height"}:
         return replace(problem, **{name: getattr(problem, name) + by})
     if name in {"a", "c", "h"}:
         can = replace(problem.parameters, **{name: getattr(problem.parameters, name) + by})
@@ -20,15 +20,21 @@ def varied(problem: Problem, name: str, by: float) -> Problem:
     if name in SCALARS:
         field = SCALARS[name]
         return replace(problem, effects=replace(effects, **{field: getattr(effects, field) + by}))
-    if name.startswith("point_mass."):
-        assert mass is not None
-        field = name.removeprefix("point_mass.").replace("mass", "share")
-        mass = replace(mass, **{field: getattr(mass, field) + by})
-        return replace(problem, effects=replace(effects, mass=mass))
+    effect, _, key = name.partition(".")
+    if effect in {"compliance", "restitution", "point_mass"}:
+        field = "mass" if effect == "point_mass" else effect
+        law, key = getattr(effects, field), "share" if key == "mass" else key
+        law = replace(law, **{key: getattr(law, key) + by})
+        return replace(problem, effects=replace(effects, **{field: law}))
+    if name.startswith("shake."):
+        return replace(
+            problem, effects=replace(effects, gravity=_shaken(effects.gravity, name, by))
+        )
     x, y, z = effects.gravity.constant
     angle, direction = math.atan2(math.hypot(x, y), -z), math.atan2(y, x)
     angle, direction = angle + by * (name == "tilt.angle"), direction + by * (name != "tilt.angle")
-    return replace(problem, effects=replace(effects, gravity=tilted(angle, direction)))
+    gravity = replace(effects.gravity, constant=tilted(angle, direction).constant)
+    return replace(problem, effects=replace(effects, gravity=gravity))
 
 
 def tilted(angle: float, direction: float) -> Gravity:
@@ -36,3 +42,10 @@ def tilted(angle: float, direction: float) -> Gravity:
     down = math.sin(angle)
     level = (down * math.cos(direction), down * math.sin(direction))
     return Gravity(constant=(*level, -math.cos(angle)))
+
+
+def _shaken(gravity: Gravity, key: str, by: float) -> Gravity:
+    if key in {"rate", "phase"}:
+        return replace(gravity, **{key: getattr(gravity, key) + by})
+    x, y, z = (a + by * (key == axis) for a, axis in zip(gravity.amplitude, "xyz", strict=True))
+    return replace(gravity, amplitude=(x, y, z))

@@ -13,10 +13,10 @@ from harness.engines.reference.to_reference_problem import Releases, problem, re
 from harness.engines.world import Floats
 from models.scene import Scene
 from reference.analysis.nutation_tangents import nutation_tangents
-from reference.analysis.sensitivity import NO_TANGENT, has_tangent, sensitivity
+from reference.analysis.sensitivity import sensitivity
 from reference.integrable.derivatives import QUANTITIES, batch_tangents
 from reference.integrable.tangents import BY
-from reference.numerics.jets import Jet, jet_cos, jet_sin, jet_sqrt
+from reference.numerics.jets import Jet, jet_cos, jet_exp, jet_log, jet_sin, jet_sqrt
 
 NAMES = {
     "period": "period_s",
@@ -34,8 +34,13 @@ RELEASE = ("phi", "psi_dot", "theta_dot", "phi_dot")
 CAN = ("a", "c", "h", "radius")
 SHAKE = ("frequency", "horizontal", "vertical", "direction", "phase")
 _RATES = ("phi_dot", "psi_dot", "theta_dot")
-NOT_AT_ZERO = ("effects.contour_friction.coulomb", "effects.air_film.density")
-"""Keys by which there is no derivative where they are zero."""
+OTHER_LAW_AT = {
+    "effects.contour_friction.coulomb": 0.0,
+    "effects.air_film.density": 0.0,
+    "effects.compliance.exponent": 1.0,
+    "effects.restitution.coefficient": 0.0,
+}
+"""Keys by which there is no derivative where they have these values."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,8 +70,6 @@ def derivatives_of(scene: Scene) -> Derivatives:
     """Return the derivatives of the first bounce of a scene by its own numbers."""
     numbers = scene_numbers(scene)
     reason = refusal(scene)
-    if not reason and not has_tangent(problem(scene).effects):
-        reason = NO_TANGENT
     if reason:
         none: dict[str, float | None] = dict.fromkeys(numbers)
         return Derivatives(
@@ -79,11 +82,13 @@ def derivatives_of(scene: Scene) -> Derivatives:
     by_key, time = _dimensionless(scene, numbers)
     by_scene = np.stack([by_key[each].slope for each in own.by])
     slopes: dict[str, Mapping[str, float | None]] = {}
-    absent = [key for key in NOT_AT_ZERO if numbers.get(key) == 0.0]
+    absent = {key: value for key, value in OTHER_LAW_AT.items() if numbers.get(key) == value}
     for name in QUANTITIES:
         scale, power = _UNITS.get(name, (1.0, 0))
         unit = scale * time.value**power
-        slope = unit * own.derivatives[name] @ by_scene
+        unknown = ~np.isfinite(own.derivatives[name])
+        slope = unit * np.where(unknown, 0.0, own.derivatives[name]) @ by_scene
+        slope[by_scene[unknown].any(axis=0)] = np.nan
         slope = slope + own.values[name] * power * unit / time.value * time.slope
         slopes[NAMES[name]] = {
             key: float(each) if np.isfinite(each) and key not in absent else None
@@ -91,8 +96,8 @@ def derivatives_of(scene: Scene) -> Derivatives:
         }
     known = len(own.why) < len(NAMES)
     caveats = [
-        f"By {key} there is no derivative where it is zero: another law holds there."
-        for key in absent
+        f"By {key} there is no derivative where it is {value:g}: another law holds there."
+        for key, value in absent.items()
     ]
     return Derivatives(
         slopes=slopes,
@@ -174,6 +179,8 @@ def scene_numbers(scene: Scene) -> dict[str, float]:
     """Return the numbers of a scene by which derivatives are taken, by their keys in its file."""
     release, can = scene.release, scene.can
     out = {f"release.{name}": getattr(release, name) for name in RELEASE}
+    if release.height > 0.0:
+        out["release.height"] = release.height
     out |= {f"can.{name}": getattr(can, name) for name in CAN} | {"gravity": scene.gravity}
     for name in scene.effects.declared():
         effect = getattr(scene.effects, name)
@@ -210,6 +217,8 @@ def _dimensionless(scene: Scene, numbers: Mapping[str, float]) -> tuple[dict[str
     out = {"phi": jets["release.phi"]}
     out |= {name: T * jets[f"release.{name}"] for name in _RATES}
     out |= {name: jets[f"can.{name}"] for name in "ach"}
+    if "release.height" in jets:
+        out["height"] = jets["release.height"] / R
     scaled: dict[str, Callable[[Jet], Jet]] = {
         "slip.mu": lambda x: x,
         "slip.mu_static": lambda x: x,
@@ -221,6 +230,7 @@ def _dimensionless(scene: Scene, numbers: Mapping[str, float]) -> tuple[dict[str
         "rim.radius": lambda x: x / R,
         "contour_friction.coulomb": lambda x: x,
         "contour_friction.viscous": lambda x: x * T / scene.can.mass,
+        "restitution.coefficient": lambda x: x,
         "tilt.angle": lambda x: x,
         "tilt.direction": lambda x: x,
         "point_mass.mass": lambda x: x / scene.can.mass,
@@ -231,6 +241,18 @@ def _dimensionless(scene: Scene, numbers: Mapping[str, float]) -> tuple[dict[str
     for key, scale in scaled.items():
         if f"effects.{key}" in jets:
             out[key] = scale(jets[f"effects.{key}"])
+    if scene.effects.compliance is not None:
+        stiffness, damping, n = (
+            jets[f"effects.compliance.{name}"] for name in ("stiffness", "damping", "exponent")
+        )
+        weight = scene.can.mass * g
+        power = jet_exp(n * jet_log(R)) / weight
+        out["compliance.stiffness"] = stiffness * power
+        if scene.effects.compliance.linear:
+            out["compliance.damping"] = damping * R / weight / T
+        else:
+            out["compliance.damping"] = damping * power * R / T
+            out["compliance.exponent"] = n
     if scene.effects.air_film is not None:
         viscosity, density = (jets[f"effects.air_film.{name}"] for name in ("viscosity", "density"))
         film = np.pi / 4 / scene.can.mass * viscosity * R * T
