@@ -22,8 +22,8 @@ V the change of the velocities by unit impulses of those moments, with the conta
 projection in the metric of the mass.
 
 Where a plane that gives way ceases to push, or begins to, f jumps from f- to f+ where a margin g of
-the state and of the constants p is zero, and the impulse that stops a rim which never slips where
-it lands is a change M of the state and of p:
+the state and of the constants p is zero; an impact, or what stops a rim that sticks where it lands,
+is a change M of the state and of p:
 
     tau = -(g_y d + g_p)/(g_y f-),    d+ = M_y (d + tau f-) + M_p - tau f+.
 """
@@ -39,7 +39,7 @@ from reference.compliant.equations import RISE, CompliantEquations
 from reference.compliant.integrator import FLIGHT
 from reference.equations.contact_laws import Mode
 from reference.equations.frames import length
-from reference.equations.newton_euler import ROLLING_1, SLIP_1, SLIP_2, GeneralEquations
+from reference.equations.newton_euler import SLIP_1, SLIP_2, GeneralEquations
 from reference.equations.state_vector import LEAN, SLIP, TURN, U1, U2, W1, W2, W3, Angles
 from reference.nonsmooth.level_spin import level_turning
 from reference.nonsmooth.segments import Segment
@@ -86,7 +86,7 @@ def touching(equations: GeneralEquations, y: Floats, mode: Mode) -> Floats:
 
 
 def held(equations: GeneralEquations, piece: Segment, start: Floats) -> Floats:
-    """Return disturbances without the motions that moments of friction hold from the release on."""
+    """Return disturbances without the motions that moments of friction hold from a start on."""
     mode, y = piece.mode, piece.start
     if mode.flies or not equations.moments_that_hold(mode):
         return start
@@ -149,14 +149,16 @@ def _touched(
     equations: GeneralEquations, end: PieceEnd, piece: Segment, by_constants: ByConstants | None
 ) -> Floats:
     """Return disturbances after the plane has begun, or ceased, to push."""
-    before, after = end.piece.end, piece.start
-    changed = np.abs(after - before)[[*TURN, *SLIP, RISE]].max() > RESTS
-    if end.piece.mode.flies and piece.mode.flies and not changed:
+    lands, flies = end.piece.mode.flies, piece.mode.flies
+    jump = (piece.start - end.piece.end)[[*TURN, *SLIP, RISE]]
+    if lands and flies and np.abs(jump).max() <= RESTS:
         return end.disturbances
-    if not (end.piece.mode.flies and changed):
+    if not lands:
         return _crossed(equations, end, piece, by_constants, margin=touching)
-    stopped = [ROLLING_1] if piece.mode.lands else []
-    stopped += [] if after[SLIP].any() and not piece.mode.flies else [SLIP_1, SLIP_2]
+    # what rests there, be it at zero already, has been stopped: by an impulse, or by a force that
+    # begins at zero within a time that vanishes with the disturbance
+    stopped = [] if flies else equations.moments_that_hold(piece.mode)
+    stopped = stopped if piece.mode.slips and not flies else [*stopped, SLIP_1, SLIP_2]
 
     def struck(own: GeneralEquations, y: Floats, _: Mode) -> Floats:
         columns = y.T.astype(complex)
@@ -167,7 +169,8 @@ def _touched(
             out = [own.struck(column, flies=piece.mode.flies) for column in columns]
         return np.stack(out, axis=1)[core_of(y)]
 
-    return _crossed(equations, end, piece, by_constants, margin=touching, change=struck)
+    now = _crossed(equations, end, piece, by_constants, margin=touching, change=struck)
+    return held(equations, piece, now) if isinstance(equations, UnilateralEquations) else now
 
 
 def _crossed(

@@ -10,8 +10,10 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
+from reference.analysis.bounce_tangents import motion_tangents
 from reference.analysis.stepped_constants import SCALARS, constants
-from reference.analysis.tangent_motion import motion_tangents
+from reference.analysis.tangent_motion import model_of
+from reference.analysis.unilateral_tangents import BRANCH
 from reference.equations.contact_laws import Kind
 from reference.integrable.derivatives import NO_PATH, QUANTITIES, bounce_tangents
 from reference.integrable.exact_motion import ExactPath, exact_path
@@ -76,19 +78,42 @@ def sensitivity(problem: Problem) -> Sensitivity:
     if problem.effects.restitution is not None:
         solution = solve(replace(problem, bounces=1, duration=None))
         if problem.height > 0 or not _stays_on_plane(solution):
-            by, jets, why = motion_tangents(problem, solution)
-            return _filled(by, jets, why, "variational equations", _one_sided(problem))
+            return _along_motion(problem, solution)
         # a motion without impacts is that of the same can without restitution
         problem = replace(problem, effects=replace(problem.effects, restitution=None))
     path = None if problem.effects.declared() else exact_path(problem, locus=False)
-    if isinstance(path, ExactPath):
-        jets, why = bounce_tangents(problem, path)
-        if NO_PATH not in why.values():
-            caveats = (*_one_sided(problem), *_separatrix(path))
-            return _filled(BY, jets, why, "quadrature", caveats)
-    by, jets, why = motion_tangents(problem)
-    caveats = (*_one_sided(problem), *(_separatrix(path) if isinstance(path, ExactPath) else ()))
-    return _filled(by, jets, why, "variational equations", caveats)
+    if not isinstance(path, ExactPath):
+        return _along_motion(problem)
+    jets, why = bounce_tangents(problem, path)
+    if NO_PATH in why.values():
+        own = _along_motion(problem)
+        return replace(own, caveats=(*own.caveats, *_separatrix(path)))
+    caveats = (*_one_sided(problem, at_rest=problem.phi_dot == 0.0), *_separatrix(path))
+    return _filled(BY, jets, why, "quadrature", caveats)
+
+
+def _along_motion(problem: Problem, solution: Solution | None = None) -> Sensitivity:
+    """Return the derivatives by the variational equations."""
+    if solution is None:
+        solution = solve(replace(problem, bounces=1, duration=None), model=model_of(problem))
+    by, jets, why = motion_tangents(problem, solution)
+    opens = bool(solution.maxima.size and solution.maxima[0] == 0.0)
+    caveats = list(_one_sided(problem, at_rest=opens and problem.phi_dot == 0.0))
+    turns = problem.phi_dot or problem.psi_dot or problem.theta_dot
+    if problem.height > 0 and not turns:
+        caveats.append(
+            "A can that is dropped without turning keeps its phi until it lands. One that turns "
+            "has a maximum of phi in the air, and with it another first bounce than that of which "
+            "the derivatives are."
+        )
+    for place, name in enumerate(by):
+        if jets and all(np.isnan(jet.slope[place]) for jet in jets.values()):
+            caveats.append(f"By {_key(name)} there is no derivative: {BRANCH}.")
+    return _filled(by, jets, why, "variational equations", tuple(caveats))
+
+
+def _key(name: str) -> str:
+    return f"effects.{name}" if "." in name else name
 
 
 def _filled(
@@ -104,15 +129,15 @@ def _filled(
         values={name: float(jets[name].value) if name in jets else np.nan for name in QUANTITIES},
         derivatives={name: jets[name].slope if name in jets else none for name in QUANTITIES},
         why={name: why[name] for name in QUANTITIES if name in why},
-        method=method,
-        caveats=caveats,
+        method=method if jets else "none",
+        caveats=caveats if jets else (),
     )
 
 
-def _one_sided(problem: Problem) -> tuple[str, ...]:
+def _one_sided(problem: Problem, *, at_rest: bool) -> tuple[str, ...]:
     """Return which derivatives are of one side: at rest, and at the bound of a constant."""
     sentences = []
-    if problem.phi_dot == 0.0:
+    if at_rest:
         sentences.append(
             "Derivatives by the rate of phi are those towards larger values, for the release is at "
             "rest: one that falls opens its first bounce itself, without the way from the maximum."
@@ -125,6 +150,11 @@ def _one_sided(problem: Problem) -> tuple[str, ...]:
         named = ", ".join(f"effects.{name}" for name in bound)
         sentences.append(
             f"Derivatives by {named} are those towards larger values, for none is below zero."
+        )
+    if problem.effects.restitution is not None and problem.effects.restitution.coefficient == 1.0:
+        sentences.append(
+            "Derivatives by effects.restitution.coefficient are those towards smaller values, for "
+            "none is above one."
         )
     return tuple(sentences)
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.analysis.linearisation import STEP, Quantity
+from reference.analysis.linearisation import STEP, Quantity, UndecidedError
 from reference.analysis.unilateral_tangents import UnilateralEquations
 from reference.compliant.equations import CompliantEquations
 from reference.equations.contact_laws import Mode
@@ -183,12 +183,19 @@ def by_varied(
     Returns
     -------
     ndarray, shape (..., m, n)
+        Not a number by what there is no derivative by.
     """
-    slopes = {
-        place: quantity(each, y.astype(complex), mode).imag / STEP for place, each in varied.items()
-    }
+    slopes: dict[int, Floats] = {}
+    reason = UndecidedError()
+    for place, each in varied.items():
+        try:
+            slopes[place] = quantity(each, y.astype(complex), mode).imag / STEP
+        except UndecidedError as error:
+            reason = error
+    if not slopes:
+        raise reason
     shape = next(iter(slopes.values())).shape
     out = np.zeros((*shape[:-1], count, shape[-1]))
-    for place, slope in slopes.items():
-        out[..., place, :] = slope
+    for place in varied:
+        out[..., place, :] = slopes.get(place, np.nan)
     return out

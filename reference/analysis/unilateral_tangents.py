@@ -10,9 +10,10 @@ sticking and sliding has branches. Along a direction it is differentiated by cen
 extrapolated (Richardson), and refused beside a branch.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import TypeAlias
 
 import numpy as np
 import scipy
@@ -44,6 +45,8 @@ MOST_STEPS = 1000
 STEPS = (1e-2, 1e-3, 1e-4)
 # By which two extrapolations agree where no branch is near, over the size of the velocities.
 AGREE = 1e-8
+Kind: TypeAlias = tuple[str, bool]
+"""Of an impact: its law, and whether the rim slips after it."""
 BRANCH = "an impact is beside one of another kind"
 FACE = "the can lands on its face, jams, or slides without a normal force"
 VERTICAL = "the axis of the flying can passes the vertical"
@@ -108,11 +111,12 @@ def _collided(D: Floats, u: Floats, mu: float, e: float, law: str) -> tuple[Floa
     """
     given = np.array([*D.ravel(), *u, *([] if np.isinf(mu) else [mu]), e])
     at, along = given.real, given.imag / STEP
-    # how much each may change at most: of D and u as of one, of coefficients as of themselves
-    sizes = np.concatenate([np.full(9, np.abs(D).max()), np.full(3, np.abs(u).max()), at[12:]])
+    # how much each may change at most: the normal velocity stays one of an impact
+    level, normal = np.abs(u[:2]).max(), np.abs(u[2])
+    sizes = np.array([*np.full(9, np.abs(D).max()), *np.full(2, level + normal), normal, *at[12:]])
     relative = np.abs(along) / np.where(sizes > 0, np.abs(sizes), 1.0)
 
-    def outcome(values: Floats) -> tuple[Floats, tuple[str, bool]]:
+    def outcome(values: Floats) -> tuple[Floats, Kind]:
         own_mu = np.inf if np.isinf(mu) else float(values[12])
         hit = collide(values[:9].reshape(3, 3), values[9:12], own_mu, float(values[-1]), law)
         found = np.concatenate([hit.impulse, hit.velocity])
@@ -123,18 +127,48 @@ def _collided(D: Floats, u: Floats, mu: float, e: float, law: str) -> tuple[Floa
     if largest == 0.0:
         return value[:3], value[3:]
     for size in STEPS:
-        quotients, kinds = [], {kind}
-        for h in (size / largest, size / largest / 2, size / largest / 4):
-            (ahead, one), (behind, two) = outcome(at + h * along), outcome(at - h * along)
-            quotients.append((ahead - behind) / (2 * h))
-            kinds |= {one, two}
-        first, second = ((4 * b - a) / 3 for a, b in pairwise(quotients))
-        slope = (16 * second - first) / 15
-        error = np.abs(slope - second).max() / np.abs(value).max()
-        if len(kinds) == 1 and error <= AGREE * largest:
+        step = size / largest
+        sides = [side for side in (1, -1) if _allowed(at + side * step * along)]
+        if not sides:
+            continue
+        slope, error, kinds = _slope(outcome, at, step * along, sides)
+        slope, error = slope / step, error / step / np.abs(value).max()
+        if kinds <= {kind} and error <= AGREE * largest:
             complete = value + 1j * STEP * slope
             return complete[:3], complete[3:]
     raise UndecidedError(BRANCH)
+
+
+def _allowed(values: Floats) -> bool:
+    """Return whether there are impacts with these coefficients, friction and restitution."""
+    return bool((values[12:] >= 0.0).all() and values[-1] <= 1.0)
+
+
+def _slope(
+    outcome: Callable[[Floats], tuple[Floats, Kind]], at: Floats, step: Floats, sides: list[int]
+) -> tuple[Floats, float, set[Kind]]:
+    """Return a derivative along a step by extrapolated differences, its error, and what was met.
+
+    Central where both sides are allowed, else of one.
+    """
+    kinds: set[Kind] = set()
+
+    def met(h: float) -> Floats:
+        found, kind = outcome(at + h * step)
+        kinds.add(kind)
+        return found
+
+    orders: tuple[float, ...]
+    if len(sides) > 1:
+        orders = (4.0, 16.0)
+        estimates = [(met(h) - met(-h)) / (2 * h) for h in (1.0, 0.5, 0.25)]
+    else:
+        orders, here = (2.0, 4.0, 8.0), met(0.0)
+        estimates = [(met(sides[0] * h) - here) / (sides[0] * h) for h in (1.0, 0.5, 0.25, 0.125)]
+    for order in orders:
+        last = estimates[-1]
+        estimates = [(order * b - a) / (order - 1) for a, b in pairwise(estimates)]
+    return estimates[-1], float(np.abs(estimates[-1] - last).max()), kinds
 
 
 def with_flights(solution: Solution, equations: UnilateralEquations) -> SegmentsPath:
@@ -159,8 +193,10 @@ def with_flights(solution: Solution, equations: UnilateralEquations) -> Segments
                 raise UndecidedError(FACE)
             pieces += [_with_depth(piece) for piece in part.pieces]
             on_plane = True
-    ends_in_flight = isinstance(path.parts[-1], FlightPath)
-    if len(solution.impacts) not in {landings, landings - ends_in_flight}:
+    # every flight but one that the horizon ends is ended by one impact, and there are no others
+    times = [impact.time for impact in solution.impacts]
+    landings -= path.flies_at_end and (not times or times[-1] < path.t_end)
+    if len(times) != landings:
         raise UndecidedError(FACE)
     return SegmentsPath(pieces, equations, path.t_end, locus=False)
 

@@ -66,6 +66,8 @@ class VibrationFilter(ExtremumRecorder):
     def __init__(self, problem: Problem, fall: float) -> None:
         super().__init__(problem, fall=fall)
         self._pending: tuple[float, Snapshot, bool] | None = None
+        # the highest maximum since a release that is a minimum, before phi has left either
+        self._risen: tuple[float, Snapshot, bool] | None = None
         if self._extrema:
             self._pending = self._extrema.pop()
         self._largest = problem.phi
@@ -83,15 +85,16 @@ class VibrationFilter(ExtremumRecorder):
         further = snapshot.phi - extreme.phi
         if maximum == kind and (further > 0) == maximum and further:
             self._pending = now
+        elif maximum and not self._extrema and further > 0:
+            self._risen = now if self._risen is None else max(self._risen, now, key=_phi_of)
 
     def advance(self, time: float, phi: float) -> None:
         """Report that the motion is integrated up to `time`, and phi there."""
         self._largest = max(self._largest, phi)
-        if self._pending is not None:
-            _, extreme, kind = self._pending
-            left = extreme.phi - phi if kind else phi - extreme.phi
-            if left >= SHARE_OF_BOUNCE * self._largest:
-                self._confirm()
+        if self._risen is not None and self._left(self._risen, phi):
+            self._pending, self._risen = self._risen, None
+        if self._pending is not None and self._left(self._pending, phi):
+            self._confirm()
         if not self.ended():
             super().advance(time, phi)
 
@@ -101,6 +104,12 @@ class VibrationFilter(ExtremumRecorder):
             self._confirm()
         return super().track()
 
+    def _left(self, extremum: tuple[float, Snapshot, bool], phi: float) -> bool:
+        """Return whether phi has left an extremum."""
+        _, extreme, maximum = extremum
+        left = extreme.phi - phi if maximum else phi - extreme.phi
+        return left >= SHARE_OF_BOUNCE * self._largest
+
     def _apart(self, phi: float) -> bool:
         """Return whether phi stands out from the last extremum that counts."""
         last = self._extrema[-1][1].phi if self._extrema else -np.inf
@@ -109,7 +118,7 @@ class VibrationFilter(ExtremumRecorder):
     def _confirm(self) -> None:
         if self._pending is not None:
             time, extreme, maximum = self._pending
-            self._pending = None
+            self._pending = self._risen = None
             super().extremum(time, extreme, maximum=maximum)
 
 
@@ -128,6 +137,10 @@ def bears(now: ModeTransition) -> bool:
 def load_of(rigid: GeneralEquations, y: Floats, mode: Mode) -> Floats:
     """Return the normal force of a rigid contact over m g, shape (n,)."""
     return np.asarray(rigid.contact(y, mode).force[2] / Angles.of(y[LEAN]).S)
+
+
+def _phi_of(extremum: tuple[float, Snapshot, bool]) -> float:
+    return extremum[1].phi
 
 
 class CompliantPath(SegmentsPath):

@@ -139,6 +139,13 @@ class GeneralEquations:
         found = self._contact(mode, self._setting(y, mode), self._law(y, mode))
         return pushed(found, y) if mode.creeps else found
 
+    def sliding_friction(self, y: Floats, mode: Mode) -> Floats:
+        """Return the friction over the normal force of a rim that slips, shape (2, n).
+
+        Known however small that force is.
+        """
+        return self._law(y, mode)[[SLIP_1, SLIP_2]]
+
     def normal_reaction(self, y: Floats, mode: Mode) -> Floats:
         """Return the normal force that keeps the rim on the plane, times sin phi, shape (n,)."""
         found = self._contact(mode, self._setting(y, mode), self._law(y, mode))

@@ -164,12 +164,24 @@ class SegmentsPath:
         return path_kernels.peaks_of(equations.constants, pieces, extrema, tops)
 
     def nodes(self) -> tuple[Floats, States]:
-        """Return times and states at four instants of each piece, and at the end."""
-        parts = np.append(np.tile(LOOKS, len(self._cuts)), 1.0)
-        number = np.append(np.repeat(np.arange(len(self._cuts)), len(LOOKS)), len(self._cuts) - 1)
+        """Return times and states at four instants of each piece, and at the end.
+
+        And where a static friction above the kinetic lets go: just before, for there the friction
+        is largest.
+        """
+        count = len(self._cuts)
+        places = [(n, look) for n in range(count) for look in LOOKS] + [(count - 1, 1.0)]
+        if self.equations.mu_static > self.equations.mu:
+            slips = [piece.mode.slips for piece in self.pieces]
+            places += [(n, 1.0) for n in range(count - 1) if slips[n + 1] and not slips[n]]
+            places.sort()
+        number = np.array([n for n, _ in places])
+        parts = np.array([part for _, part in places])
         y = self._rows(number, parts * self._cuts[number])
-        keep = np.concatenate([[True], np.diff(y[TIME]) > 0])
-        return y[TIME][keep], self._states(y[:, keep], number[keep])
+        before = (parts == 1.0) & (number < count - 1)
+        times = np.where(before, np.nextafter(y[TIME], -np.inf), y[TIME])
+        keep = np.concatenate([[True], np.diff(times) > 0])
+        return times[keep], self._states(y[:, keep], number[keep])
 
     def _instant(self, number: NDArray[np.intp], times: Floats) -> Floats:
         """Return the place of each time in its piece, by Newton's method within a bisection."""

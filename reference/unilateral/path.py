@@ -170,6 +170,7 @@ class UnilateralPath:
     def __init__(self, parts: Sequence[SegmentsPath | FlightPath], starts: Sequence[float]) -> None:
         self.parts, self._starts = tuple(parts), np.array(starts)
         self.t_end = parts[-1].t_end
+        self.flies_at_end = isinstance(parts[-1], FlightPath)
 
     def at(self, times: Floats) -> States:
         """Return states at the given times, shape (n,); after an impact, at its instant."""

@@ -322,6 +322,18 @@ def test_a_rim_that_never_slips_may_have_no_one_way_to_leave_a_damper() -> None:
     assert late[1] / late[2] == pytest.approx(10, rel=0.05)
 
 
+def test_a_first_maximum_after_a_small_rise_counts() -> None:
+    """Before phi has left the release, a minimum, by a hundredth; on either side of a rate of 0."""
+    release = Problem(parameters=PAPER_CAN, phi=0.4, psi_dot=0.123, theta_dot=-0.0614, bounces=1)
+    law = Compliance(stiffness=100.0, damping=8.0)
+    slow, still, fast = (
+        soft(replace(release, phi_dot=rate), law, HEIGHT) for rate in (-1e-5, 0.0, 1e-5)
+    )
+    assert slow.maxima == pytest.approx((still.maxima + (still.maxima - fast.maxima)), rel=1e-6)
+    assert 0.14 < still.maxima[0] < 0.15
+    assert still.minima.size == 1
+
+
 def test_a_contact_point_that_friction_holds_is_free_in_the_air() -> None:
     law, release = Compliance(stiffness=1e4), replace(ROCKING, bounces=None, duration=0.3)
     flown = soft(replace(release, effects=Effects(contour=0.01)), law, 0.05).at(0.25)

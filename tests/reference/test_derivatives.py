@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from reference import PAPER_CAN, Effects, Mass, Parameters, Problem, solve
+from reference.analysis.bounce_tangents import motion_tangents
 from reference.analysis.sensitivity import sensitivity
-from reference.analysis.tangent_motion import motion_tangents
 from reference.equations.nonholonomic import nutation_acceleration
 from reference.integrable.derivatives import PULLED, QUANTITIES, batch_tangents
 from reference.integrable.tangents import BY

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from reference import PAPER_CAN, Effects, Problem, examine, solve
+from reference import PAPER_CAN, Effects, Parameters, Problem, examine, solve
 from reference.equations.contact_laws import Kind
 from tests.support import free_body
 
@@ -129,3 +129,17 @@ def test_a_rim_that_sticks_without_kinetic_friction_is_no_frictionless_one() -> 
     assert found.model == "coulomb"
     assert [phase.kind for phase in found.phases] == [Kind.STICK]
     assert solve(replace(ROCK, duration=3.0)).at(0.5).phi == pytest.approx(found.at(0.5).phi)
+
+
+def test_the_peak_of_friction_is_where_it_lets_go() -> None:
+    """Within a step, and far above all that the rim needed before: it was missed there."""
+    can = Parameters(a=0.684, c=0.312, h=1.404)
+    effects = Effects(mu=0.0, mu_static=0.443, drilling=0.011, linear_damping=0.00775)
+    release = Problem(parameters=can, phi=0.2768, phi_dot=-0.0592, psi_dot=0.2196, bounces=1)
+    found = solve(replace(release, theta_dot=1.2106, effects=effects))
+    assert [phase.kind for phase in found.phases] == [Kind.STICK, Kind.SLIP]
+    times = np.linspace(0.0, found.phases[0].end - 1e-2, 100)
+    force = found.at(times).force
+    assert force is not None
+    assert (np.hypot(force[:, 0], force[:, 1]) / force[:, 2]).max() < 0.3
+    assert found.bounces[0].peak_friction_ratio == pytest.approx(0.443, rel=1e-8)

@@ -26,10 +26,8 @@ def varied(problem: Problem, name: str, by: float) -> Problem:
         law, key = getattr(effects, field), "share" if key == "mass" else key
         law = replace(law, **{key: getattr(law, key) + by})
         return replace(problem, effects=replace(effects, **{field: law}))
-    if name.startswith("shake."):
-        return replace(
-            problem, effects=replace(effects, gravity=_shaken(effects.gravity, name, by))
-        )
+    if effect == "shake":
+        return replace(problem, effects=replace(effects, gravity=_shaken(effects.gravity, key, by)))
     x, y, z = effects.gravity.constant
     angle, direction = math.atan2(math.hypot(x, y), -z), math.atan2(y, x)
     angle, direction = angle + by * (name == "tilt.angle"), direction + by * (name != "tilt.angle")

@@ -102,7 +102,7 @@ def derivatives_of(scene: Scene) -> Derivatives:
     return Derivatives(
         slopes=slopes,
         why={NAMES[name]: sentence for name, sentence in own.why.items()},
-        method=own.method if known else "none",
+        method=own.method,
         caveats=(*own.caveats, *caveats) if known else (),
     )
 

@@ -39,6 +39,10 @@ RELEASES = [
     ("thin disk", 0.3, (0.0, 0.002, 0.01)),
     ("paper", 0.99, (0.0, 1e-2, 2e-2)),
     ("tall", 0.2, (0.03, 0.05, -0.1)),
+    # a fast bounce, one beside the separatrix, one of another can that is all but planar
+    ("paper", 0.6, (0.2, 3.0, -1.0)),
+    ("paper", 1 - 1e-6, (0.0, 1e-3, 2e-3)),
+    ("uniform cylinder", 0.5, (0.0, 1e-3, -9e-4)),
 ]
 
 State = list[mp.mpf]
