@@ -14,7 +14,6 @@ import numpy as np
 from reference.analysis.bounces import humps
 from reference.analysis.linearisation import NUMBER, Quantity, UndecidedError
 from reference.analysis.release_tangents import numbers
-from reference.analysis.saltation import jumps
 from reference.analysis.tangent_motion import (
     KINK,
     NO_BOUNCE,
@@ -39,7 +38,7 @@ from reference.solver import solve
 from reference.unilateral.path import UnilateralPath
 
 # Places of a piece among which a peak is looked for, and halvings that find it to round-off.
-PLACES = np.linspace(0.0, 1.0, 9)
+PLACES = 9
 HALVINGS = 60
 # A peak that was measured by sampling is this near, as a share of it.
 SAME_PEAK = 1e-6
@@ -50,6 +49,8 @@ ANOTHER = (
 NO_BOUND = (
     "friction that holds the rim does not vanish with the normal force: its ratio has no bound"
 )
+# Of the friction: a normal force no larger is a round-off.
+VANISHED = 1e-12
 # Of the time of a bounce that an impact ends: by so much more the motion is followed.
 BEYOND = 1e-6
 # Of a time.
@@ -155,7 +156,8 @@ def _friction(equations: GeneralEquations, y: Floats, mode: Mode) -> Floats:
     size = length(force[0], force[1])
     # where a soft contact begins there is neither; a friction that does not vanish has no bound
     none = np.where(size == 0, 0.0, np.inf).astype(size.dtype)
-    return np.asarray(np.divide(size, force[2], out=none, where=force[2] != 0))
+    pushed = np.abs(force[2]) > VANISHED * np.abs(size)
+    return np.asarray(np.divide(size, force[2], out=none, where=pushed))
 
 
 def _limit(motion: TangentMotion, starts: Place, ends: Place) -> Jet | None:
@@ -167,7 +169,8 @@ def _limit(motion: TangentMotion, starts: Place, ends: Place) -> Jet | None:
     if motion.equations.patch or not any(_slides(piece) for piece in pieces):
         return None
     name, value = "slip.mu", motion.equations.mu
-    if jumps(motion.equations.effects) and not all(piece.mode.slips for piece in pieces):
+    own = motion.equations.effects.mu_static is not None
+    if own and not all(piece.mode.slips for piece in pieces):
         name, value = "slip.mu_static", motion.equations.mu_static
         if not _begins(pieces):
             return None
@@ -200,7 +203,7 @@ def _peak(
     for number in range(starts[0], ends[0] + 1):
         left = starts[1] if number == starts[0] else 0.0
         right = ends[1] if number == ends[0] else motion.pieces[number].cut
-        places += [(number, float(left + (right - left) * share)) for share in PLACES]
+        places += [(number, float(c)) for c in np.linspace(left, right, PLACES)]
     values = [abs(motion.value(quantity, *place)) for place in places]
     if not np.isfinite(values).all():
         rigid = type(motion.equations) is GeneralEquations

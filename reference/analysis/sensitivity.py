@@ -2,7 +2,7 @@
 
 Of the ideal can that rocks for ever they are those of the closed solution
 (`reference.integrable.derivatives`); of any other they come of the variational equations
-(`reference.analysis.tangent_motion`).
+(`reference.analysis.bounce_tangents`).
 """
 
 from collections.abc import Mapping
@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from reference.analysis.bounce_tangents import motion_tangents
+from reference.analysis.release_tangents import OF_RELEASE
 from reference.analysis.stepped_constants import SCALARS, constants
 from reference.analysis.tangent_motion import model_of
 from reference.analysis.unilateral_tangents import BRANCH
@@ -45,7 +46,8 @@ class Sensitivity:
     method : str
         "quadrature", "variational equations", or "none".
     caveats : tuple of str
-        Sentences: which derivatives are of one side, and that those beside a separatrix are large.
+        Sentences: which derivatives are of one side, that those beside a separatrix are large, and
+        by what there are none.
     """
 
     by: tuple[str, ...]
@@ -97,8 +99,15 @@ def _along_motion(problem: Problem, solution: Solution | None = None) -> Sensiti
     if solution is None:
         solution = solve(replace(problem, bounces=1, duration=None), model=model_of(problem))
     by, jets, why = motion_tangents(problem, solution)
-    opens = bool(solution.maxima.size and solution.maxima[0] == 0.0)
-    caveats = list(_one_sided(problem, at_rest=opens and problem.phi_dot == 0.0))
+    on_plane = problem.height == 0 and problem.effects.compliance is None
+    opens = on_plane or bool(solution.maxima.size and solution.maxima[0] == 0.0)
+    missing = {
+        name: [quantity for quantity, jet in jets.items() if np.isnan(jet.slope[place])]
+        for place, name in enumerate(by)
+        if name not in OF_RELEASE
+    }
+    absent = frozenset(name for name, of in missing.items() if of)
+    caveats = list(_one_sided(problem, absent, at_rest=opens and problem.phi_dot == 0.0))
     turns = problem.phi_dot or problem.psi_dot or problem.theta_dot
     if problem.height > 0 and not turns:
         caveats.append(
@@ -106,14 +115,12 @@ def _along_motion(problem: Problem, solution: Solution | None = None) -> Sensiti
             "has a maximum of phi in the air, and with it another first bounce than that of which "
             "the derivatives are."
         )
-    for place, name in enumerate(by):
-        if jets and all(np.isnan(jet.slope[place]) for jet in jets.values()):
-            caveats.append(f"By {_key(name)} there is no derivative: {BRANCH}.")
+    for name in by:
+        if name in absent:
+            key = f"effects.{name}" if "." in name else f"can.{name}"
+            named = ", ".join(each.replace("_", " ") for each in missing[name])
+            caveats.append(f"By {key} there is no derivative of {named}: {BRANCH}.")
     return _filled(by, jets, why, "variational equations", tuple(caveats))
-
-
-def _key(name: str) -> str:
-    return f"effects.{name}" if "." in name else name
 
 
 def _filled(
@@ -134,8 +141,13 @@ def _filled(
     )
 
 
-def _one_sided(problem: Problem, *, at_rest: bool) -> tuple[str, ...]:
-    """Return which derivatives are of one side: at rest, and at the bound of a constant."""
+def _one_sided(
+    problem: Problem, absent: frozenset[str] = frozenset(), *, at_rest: bool
+) -> tuple[str, ...]:
+    """Return which derivatives are of one side: at rest, and at the bound of a constant.
+
+    Of those that are there.
+    """
     sentences = []
     if at_rest:
         sentences.append(
@@ -146,15 +158,22 @@ def _one_sided(problem: Problem, *, at_rest: bool) -> tuple[str, ...]:
     bound = [name for name, field in SCALARS.items() if name in declared and values[field] == 0.0]
     if problem.effects.compliance is not None and problem.effects.compliance.damping == 0.0:
         bound.append("compliance.damping")
+    bound = [name for name in bound if name not in absent]
     if bound:
         named = ", ".join(f"effects.{name}" for name in bound)
         sentences.append(
             f"Derivatives by {named} are those towards larger values, for none is below zero."
         )
-    if problem.effects.restitution is not None and problem.effects.restitution.coefficient == 1.0:
+    given = problem.effects.restitution
+    if given is not None and given.coefficient == 1.0 and "restitution.coefficient" not in absent:
         sentences.append(
             "Derivatives by effects.restitution.coefficient are those towards smaller values, for "
             "none is above one."
+        )
+    if problem.effects.mu_static is not None and problem.effects.mu_static == problem.effects.mu:
+        sentences.append(
+            "Derivatives by effects.slip.mu_static are those towards larger values, and by "
+            "effects.slip.mu towards smaller ones, for static friction is not below the kinetic."
         )
     return tuple(sentences)
 

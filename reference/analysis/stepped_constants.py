@@ -184,6 +184,11 @@ def by_varied(
     -------
     ndarray, shape (..., m, n)
         Not a number by what there is no derivative by.
+
+    Raises
+    ------
+    UndecidedError
+        If there is none by any of them.
     """
     slopes: dict[int, Floats] = {}
     reason = UndecidedError()

@@ -6,8 +6,9 @@ the plane and its rate as two rows more: its disturbances then obey the same equ
 others.
 
 An impact is an algebraic change of the state (`reference.unilateral.impact`) whose way through
-sticking and sliding has branches. Along a direction it is differentiated by central differences,
-extrapolated (Richardson), and refused beside a branch.
+sticking and sliding has branches. Along a direction it is differentiated by extrapolated
+differences (Richardson), central ones or at the bound of a coefficient those of one side, and
+refused beside a branch.
 """
 
 from collections.abc import Callable, Sequence
@@ -45,7 +46,7 @@ MOST_STEPS = 1000
 STEPS = (1e-2, 1e-3, 1e-4)
 # By which two extrapolations agree where no branch is near, over the size of the velocities.
 AGREE = 1e-8
-Kind: TypeAlias = tuple[str, bool]
+ImpactKind: TypeAlias = tuple[str, bool]
 """Of an impact: its law, and whether the rim slips after it."""
 BRANCH = "an impact is beside one of another kind"
 FACE = "the can lands on its face, jams, or slides without a normal force"
@@ -116,7 +117,7 @@ def _collided(D: Floats, u: Floats, mu: float, e: float, law: str) -> tuple[Floa
     sizes = np.array([*np.full(9, np.abs(D).max()), *np.full(2, level + normal), normal, *at[12:]])
     relative = np.abs(along) / np.where(sizes > 0, np.abs(sizes), 1.0)
 
-    def outcome(values: Floats) -> tuple[Floats, Kind]:
+    def outcome(values: Floats) -> tuple[Floats, ImpactKind]:
         own_mu = np.inf if np.isinf(mu) else float(values[12])
         hit = collide(values[:9].reshape(3, 3), values[9:12], own_mu, float(values[-1]), law)
         found = np.concatenate([hit.impulse, hit.velocity])
@@ -145,13 +146,16 @@ def _allowed(values: Floats) -> bool:
 
 
 def _slope(
-    outcome: Callable[[Floats], tuple[Floats, Kind]], at: Floats, step: Floats, sides: list[int]
-) -> tuple[Floats, float, set[Kind]]:
+    outcome: Callable[[Floats], tuple[Floats, ImpactKind]],
+    at: Floats,
+    step: Floats,
+    sides: list[int],
+) -> tuple[Floats, float, set[ImpactKind]]:
     """Return a derivative along a step by extrapolated differences, its error, and what was met.
 
     Central where both sides are allowed, else of one.
     """
-    kinds: set[Kind] = set()
+    kinds: set[ImpactKind] = set()
 
     def met(h: float) -> Floats:
         found, kind = outcome(at + h * step)

@@ -23,8 +23,7 @@ is held as a whole, or moves.
 A rim rounded to an arc of radius r touches at p_O = -(1 - r) e1 - (h - r) e3 - r z from the can's
 centre; e1, e2, e3 are the axes of frame B and z = S e1 + C e3 is the vertical. Everything is times
 S, in the time of `reference.equations.state_vector`, and analytic in the state: complex states
-give derivatives
-(`reference.analysis.linearisation`).
+give derivatives (`reference.analysis.linearisation`).
 """
 
 from dataclasses import dataclass, replace
@@ -140,10 +139,7 @@ class GeneralEquations:
         return pushed(found, y) if mode.creeps else found
 
     def sliding_friction(self, y: Floats, mode: Mode) -> Floats:
-        """Return the friction over the normal force of a rim that slips, shape (2, n).
-
-        Known however small that force is.
-        """
+        """Return friction over the normal force, however small, of a rim that slips, (2, n)."""
         return self._law(y, mode)[[SLIP_1, SLIP_2]]
 
     def normal_reaction(self, y: Floats, mode: Mode) -> Floats:
@@ -291,14 +287,12 @@ class GeneralEquations:
         ndarray, shape (5, k)
             In the metric of the mass: what else the contact holds answers, and does not move.
         """
-        column = y[:, None]
-        here, moments = self._setting(column, mode), self.moments_that_hold(mode)
-        inverse = np.asarray(np.linalg.inv(here.inertia[..., 0]))[None]
-        D = mobility_of(inverse, here, here.at)[0]
+        D, moments = self.mobility(y), self.moments_that_hold(mode)
         rim = [NORMAL] if mode.slips else [SLIP_1, SLIP_2, NORMAL]
-        answers = np.column_stack([D[:, rim[:-1]], D @ self._law(column, mode)[:, 0]])
+        answers = np.column_stack([D[:, rim[:-1]], D @ self._law(y[:, None], mode)[:, 0]])
         change = D[:, moments] - answers @ np.linalg.solve(answers[rim], D[np.ix_(rim, moments)])
-        return np.concatenate([to_body(change[:3], here.at), change[[SLIP_1, SLIP_2]]])
+        turned = to_body(change[:3], Angles.of(y[LEAN]))
+        return np.concatenate([turned, change[[SLIP_1, SLIP_2]]])
 
     def mobility(self, y: Floats) -> Floats:
         """Return changes of velocities at the contact by impulses there, shape (6, 6).

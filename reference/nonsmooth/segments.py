@@ -180,7 +180,7 @@ class SegmentsPath:
         y = self._rows(number, parts * self._cuts[number])
         before = (parts == 1.0) & (number < count - 1)
         times = np.where(before, np.nextafter(y[TIME], -np.inf), y[TIME])
-        keep = np.concatenate([[True], np.diff(times) > 0])
+        keep = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0])
         return times[keep], self._states(y[:, keep], number[keep])
 
     def _instant(self, number: NDArray[np.intp], times: Floats) -> Floats:

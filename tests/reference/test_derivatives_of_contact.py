@@ -20,6 +20,7 @@ from reference import (
     Restitution,
     solve,
 )
+from reference.analysis.nutation_tangents import nutation_tangents
 from reference.analysis.release_tangents import HELD
 from reference.analysis.sensitivity import sensitivity
 from reference.analysis.unilateral_tangents import FACE, UnilateralEquations, with_flights
@@ -195,12 +196,49 @@ def test_a_coefficient_at_its_bound_has_the_derivative_of_its_side() -> None:
     assert slopes == pytest.approx(2 * two - one, rel=1e-4)
 
 
+def test_what_friction_holds_after_an_impact_stops_a_disturbance() -> None:
+    """A turning about the normal that drilling holds from the landing on, of one side."""
+    light = Mass(share=0.05, x=0.3, y=0.4, z=0.1)
+    none = Restitution(coefficient=0.0)
+    problem = dropped(STILL, drilling=0.002, mass=light, restitution=none)
+    times = np.array([1.5, 2.0])
+    by, _, slopes = nutation_tangents(problem, times)
+    until = replace(problem, bounces=None, duration=2.0)
+    step = 1e-6
+    moved = solve(varied(until, "psi_dot", step)).at(times).phi - solve(until).at(times).phi
+    assert slopes[:, by.index("psi_dot")] == pytest.approx(moved / step, rel=1e-3)
+
+
+def test_equal_coefficients_of_friction_have_one_side_each() -> None:
+    own = sensitivity(with_effects(ROCK, mu=0.25, mu_static=0.25))
+    slopes = own.derivatives["peak_friction_ratio"]
+    assert slopes[own.by.index("slip.mu")] == 0.0
+    assert slopes[own.by.index("slip.mu_static")] == 1.0
+    assert any("not below the kinetic" in caveat for caveat in own.caveats)
+
+
+def test_what_one_coefficient_lacks_is_said_of_it_alone() -> None:
+    """The slip after the first impact is next to nothing, so that any friction would stop it."""
+    release = replace(ROCK, phi_dot=0.05181514, psi_dot=0.05, theta_dot=17.81047862)
+    own = sensitivity(dropped(release, mu=0.0, restitution=Restitution(coefficient=0.5)))
+    of_mu = [own.derivatives[name][own.by.index("slip.mu")] for name in QUANTITIES]
+    # a rim that slips takes the coefficient as the peak of its friction
+    assert np.isnan(of_mu[:-1]).all()
+    assert of_mu[-1] == 1.0
+    assert np.isfinite([own.derivatives[name][0] for name in QUANTITIES]).all()
+    (said,) = [sentence for sentence in own.caveats if "effects.slip.mu" in sentence]
+    assert said.startswith("By effects.slip.mu there is no derivative of period, angle of turn")
+
+
 def test_a_release_in_the_air_is_no_release_at_rest() -> None:
     """The bounce begins with the maximum at the impact, on both sides of a rate of zero."""
     caveats = sensitivity(CASES["impacts, stick"]).caveats
     assert not any("by the rate of phi" in caveat for caveat in caveats)
-    caveats = sensitivity(CASES["soft, sticks"]).caveats
-    assert any("by the rate of phi" in caveat for caveat in caveats)
+    rises = with_effects(replace(ROCK, phi=0.1, psi_dot=0.5, theta_dot=-3.5), linear_damping=0.01)
+    assert solve(rises).maxima[0] > 0
+    for problem in (CASES["soft, sticks"], rises):
+        caveats = sensitivity(problem).caveats
+        assert any("by the rate of phi" in caveat for caveat in caveats)
 
 
 def test_a_stiff_contact_has_the_derivatives_of_a_rigid_one_at_first_order() -> None:

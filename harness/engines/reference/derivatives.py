@@ -57,7 +57,8 @@ class Derivatives:
     method : str
         How they were computed.
     caveats : tuple of str
-        Sentences: which are of one side, and that those beside a separatrix are large.
+        Sentences: which are of one side, that those beside a separatrix are large, and by what
+        there are none.
     """
 
     slopes: Mapping[str, Mapping[str, float | None]]
