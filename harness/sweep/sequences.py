@@ -9,7 +9,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from harness.core.trajectory import Floats
 
@@ -37,6 +36,8 @@ def points(sample: str, seed: int, dimensions: int, rows: range) -> Floats:
         return np.random.Generator(bits).random((len(rows), dimensions))
     if sample == "sobol":
         return _sobol(seed, dimensions, rows)
+    from scipy.stats import qmc  # noqa: PLC0415 - takes a third of a second to import
+
     sequence = qmc.Halton(d=dimensions, scramble=True, rng=np.random.default_rng(seed))
     # A point follows from its number, which scipy counts in this public attribute; `fast_forward`
     # draws, and holds, all before it. The tests hold far points against van der Corput's.
@@ -79,6 +80,8 @@ def _sobol_change(seed: int, dimensions: int, bit: int) -> Words:
 
 def _sobol_word(seed: int, dimensions: int, row: int) -> Words:
     """Return one point as whole numbers, shape (dimensions,), in a time that grows with its row."""
+    from scipy.stats import qmc  # noqa: PLC0415 - takes a third of a second to import
+
     sequence = qmc.Sobol(d=dimensions, scramble=True, bits=_BITS, rng=np.random.default_rng(seed))
     with warnings.catch_warnings():
         # of a count that is no power of two: a plot or a mean needs no perfect balance

@@ -47,6 +47,8 @@ _BEGUN, _BEGUN_OF_TRUTH = 1e-2, 1e-3
 # Speed of a slip, in sqrt(g R), from which it is brought to rest in one step; and of the truth.
 _STOPPED, _STOPPED_OF_TRUTH = 1e-8, 1e-10
 _REPEATS = 15
+# Turns of a scene and the rival, and runs of each in its turn.
+_TURNS, _RUNS = 5, (10, 3)
 # How many times faster than DOP853 the integrator is to be, of every scene.
 _FASTER = 10.0
 # Strength, in units of the can, of laws that are declared for what they cost.
@@ -137,7 +139,8 @@ def _against_scipy(scene: Whole) -> Ratio:
     own, scipy_s = in_turns(
         lambda: solve(problem, compiled=compiled),
         partial(by_scipy, problem, end, rival.tolerances, given),
-        repeats=_REPEATS,
+        repeats=_TURNS,
+        runs=_RUNS,
     )
     note = f"error at the end, {end:.4g} sqrt(R/g), {own_error:.1e} against {rival.error:.1e}"
     if not equal:

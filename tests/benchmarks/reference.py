@@ -128,13 +128,12 @@ _TRUE_TURN = math.radians(209.363400462452)
 
 def _integrator_against_scipy(bounces: int) -> Ratio:
     """Time bounces of the paper's release by the default integrator and by DOP853."""
-
-    def shortest(method: str | None, times: int) -> float:
-        return min(seconds(lambda: _paper_release(method, bounces)) for _ in range(times))
-
-    # a bounce takes two milliseconds: less than the one after another solver's needs to warm up
-    turns = [(shortest(None, _SHORT), shortest("DOP853", _LONG)) for _ in range(_TURNS)]
-    once, scipy = min(turn[0] for turn in turns), min(turn[1] for turn in turns)
+    once, scipy = in_turns(
+        lambda: _paper_release(None, bounces),
+        lambda: _paper_release("DOP853", bounces),
+        repeats=_TURNS,
+        runs=(_SHORT, _LONG),
+    )
     own_error = abs(_paper_release(None, bounces) - _TRUE_TURN)
     scipy_error = abs(_paper_release("DOP853", bounces) - _TRUE_TURN)
     least = _COMPILED_FASTER if _INTEGRATOR.get("compiled") else _SCIPY_FASTER
