@@ -163,25 +163,39 @@ class SegmentsPath:
         pieces = self._starts, self._coefficients, self._cuts, self._spans, slips, turns
         return path_kernels.peaks_of(equations.constants, pieces, extrema, tops)
 
-    def nodes(self) -> tuple[Floats, States]:
+    def nodes(self, *, lifts: bool = False) -> tuple[Floats, States]:
         """Return times and states at four instants of each piece, and at the end.
 
-        And where a static friction above the kinetic lets go: just before, for there the friction
-        is largest.
+        And just before contact changes to where friction is largest: where a static friction above
+        the kinetic lets go, and where a rim that friction holds without limit leaves the plane.
+
+        Parameters
+        ----------
+        lifts : bool
+            Whether the rim leaves the plane at the end of the path.
         """
-        count = len(self._cuts)
+        count, modes = len(self._cuts), [piece.mode for piece in self.pieces]
         places = [(n, look) for n in range(count) for look in LOOKS] + [(count - 1, 1.0)]
+        lifted = []
         if self.equations.mu_static > self.equations.mu:
-            slips = [piece.mode.slips for piece in self.pieces]
-            places += [(n, 1.0) for n in range(count - 1) if slips[n + 1] and not slips[n]]
-            places.sort()
+            lets_go = [n for n in range(count - 1) if modes[n + 1].slips and not modes[n].slips]
+            places = sorted([*places, *((n, 1.0) for n in lets_go)])
+        elif np.isinf(self.equations.mu):
+            flies = [*(mode.flies for mode in modes[1:]), lifts]
+            lifted = [n for n in range(count) if flies[n] and not modes[n].slips]
+            places = sorted({*places, *((n, 1.0) for n in lifted)})
         number = np.array([n for n, _ in places])
         parts = np.array([part for _, part in places])
         y = self._rows(number, parts * self._cuts[number])
-        before = (parts == 1.0) & (number < count - 1)
+        before = (parts == 1.0) & ((number < count - 1) | lifts)
         times = np.where(before, np.nextafter(y[TIME], -np.inf), y[TIME])
         keep = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0])
-        return times[keep], self._states(y[:, keep], number[keep])
+        states = self._states(y[:, keep], number[keep])
+        if lifted and states.force is not None:
+            # the plane no longer pushes, but for a round-off
+            leaves = (parts[keep] == 1.0) & np.isin(number[keep], lifted)
+            states.force[leaves, 2] = 0.0
+        return times[keep], states
 
     def _instant(self, number: NDArray[np.intp], times: Floats) -> Floats:
         """Return the place of each time in its piece, by Newton's method within a bisection."""

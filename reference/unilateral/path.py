@@ -187,7 +187,12 @@ class UnilateralPath:
 
     def nodes(self) -> tuple[Floats, States]:
         """Return times and states that the solver itself has, from the start to the end."""
-        all_times, states = zip(*(part.nodes() for part in self.parts), strict=True)
+        flies = [*(isinstance(part, FlightPath) for part in self.parts[1:]), False]
+        nodes = [
+            part.nodes(lifts=lifts) if isinstance(part, SegmentsPath) else part.nodes()
+            for part, lifts in zip(self.parts, flies, strict=True)
+        ]
+        all_times, states = zip(*nodes, strict=True)
         times = np.concatenate(all_times)
         keep = np.flatnonzero(np.append(np.diff(times) > 0, True))
         return times[keep], _joined([_with_gap(one) for one in states], keep)

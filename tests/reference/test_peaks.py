@@ -1,9 +1,22 @@
 """The peaks of a bounce: of two humps the higher one, whichever of them the samples hit better."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
-from reference import PAPER_CAN, Effects, Gravity, Mass, Problem, solve
+from reference import (
+    PAPER_CAN,
+    Compliance,
+    Effects,
+    Gravity,
+    Kind,
+    Mass,
+    Problem,
+    Restitution,
+    friction_ratio,
+    solve,
+)
 from tests.support.compiled import needs_numba
 
 OFF_CENTRE = Problem(
@@ -55,3 +68,36 @@ def test_the_peak_is_the_largest_of_many_samples(problem: Problem, *, compiled: 
     dense = float((np.hypot(force[:, 0], force[:, 1]) / force[:, 2]).max())
     assert motion.bounces[0].peak_friction_ratio == pytest.approx(dense, rel=1e-7)
     assert motion.bounces[0].peak_friction_ratio >= dense * (1.0 - 1e-12)
+
+
+@pytest.mark.parametrize(
+    "effects",
+    [
+        Effects(compliance=Compliance(stiffness=1e3, damping=5.0)),
+        Effects(compliance=Compliance(stiffness=1e3)),
+        Effects(restitution=Restitution(coefficient=0.5)),
+    ],
+    ids=["damped", "undamped", "rigid"],
+)
+def test_friction_without_limit_has_no_peak_where_the_rim_lifts(effects: Effects) -> None:
+    # with limited friction the normal force takes the friction along: the ratio stays below mu
+    motion = solve(
+        Problem(
+            parameters=PAPER_CAN,
+            phi=0.35,
+            phi_dot=-1.3,
+            psi_dot=0.6,
+            theta_dot=-2.7,
+            bounces=1,
+            effects=effects,
+        )
+    )
+    lift = next(
+        before.end
+        for before, after in pairwise(motion.phases)
+        if (before.kind, after.kind) == (Kind.STICK, Kind.FLIGHT)
+    )
+    assert motion.maxima[0] < lift < motion.maxima[1]
+    ratios = friction_ratio(motion.at(lift - np.array([1e-3, 1e-4, 1e-5])), PAPER_CAN)
+    assert (ratios[1:] > 5 * ratios[:-1]).all()
+    assert motion.bounces[0].peak_friction_ratio == np.inf
