@@ -8,10 +8,11 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from harness.sweep.plan import COMPILED_FROM
 from reference.numerics.compiled import available, path_taken
 from tests.benchmarks.clock import Ratio
 
-_FEW, _MANY, _MORE = 1_000, 1_000_000, 10_000_000
+_FEW, _MANY, _MORE = COMPILED_FROM, 1_000_000, 10_000_000
 """Releases of a sweep that compiles kernels, of one with rows, and of one without."""
 
 _SECONDS, _MEGABYTES = 8.0, 500.0
