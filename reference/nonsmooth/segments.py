@@ -187,13 +187,13 @@ class SegmentsPath:
         number = np.array([n for n, _ in places])
         parts = np.array([part for _, part in places])
         y = self._rows(number, parts * self._cuts[number])
-        before = (parts == 1.0) & ((number < count - 1) | lifts)
+        before = (parts == 1.0) & ((number < count - 1) | np.isin(number, lifted))
         times = np.where(before, np.nextafter(y[TIME], -np.inf), y[TIME])
         keep = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0])
         states = self._states(y[:, keep], number[keep])
         if lifted and states.force is not None:
             # the plane no longer pushes, but for a round-off
-            leaves = (parts[keep] == 1.0) & np.isin(number[keep], lifted)
+            leaves = before[keep]
             states.force[leaves, 2] = 0.0
         return times[keep], states
 
