@@ -41,7 +41,8 @@ class Bounce:
     peak_psi_dot : float
         Precession rate of largest magnitude, with its sign, in sqrt(g/R).
     peak_friction_ratio : float
-        Largest |F|/N.
+        Largest |F|/N; infinite where a rim that friction holds without limit lifts off, or where
+        the plane would have to pull.
     """
 
     time: float

@@ -33,7 +33,7 @@ MOST_ROWS = 1_000_000_000
 """Beyond the points that a Sobol sequence of doubles tells apart."""
 
 EXACT_ROWS = 32_768
-"""Rows of a partition by the exact bounce: half a second, two megabytes."""
+"""Rows of a partition by the exact bounce: half a second, a megabyte."""
 
 REDUCED_ROWS = 1_048_576
 """Scenes of a partition without rows: a few seconds, and some hundred kilobytes."""

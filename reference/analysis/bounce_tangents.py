@@ -27,6 +27,7 @@ from reference.analysis.variational import without_tangent
 from reference.equations.contact_laws import Mode
 from reference.equations.frames import length
 from reference.equations.newton_euler import GeneralEquations
+from reference.equations.reaction_force import VANISHED
 from reference.equations.state_vector import LEAN, PSI, TIME, W1, Angles
 from reference.integrable.derivatives import PULLED, QUANTITIES
 from reference.nonsmooth.segments import Segment, SegmentsPath
@@ -49,8 +50,6 @@ ANOTHER = (
 NO_BOUND = (
     "friction that holds the rim does not vanish with the normal force: its ratio has no bound"
 )
-# Of the friction: a normal force no larger is a round-off.
-VANISHED = 1e-12
 # Of the time of a bounce that an impact ends: by so much more the motion is followed.
 BEYOND = 1e-6
 # Of a time.

@@ -76,9 +76,10 @@ class Guard:
     ----------
     friction_ratio : float
         Largest |F|/N: of a rim that never slips the friction that it needs; infinite where N is not
-        positive. Of a motion that ends as lifted, at the instants with N of a thousandth of the
-        weight or more: at lift-off N is zero, and |F|/N is no friction that a pair of materials
-        could have, or the quotient of two round-offs. Zero where there is no such instant.
+        positive. Of a can that lifts off, outside its whole bounces, at the instants with N of a
+        thousandth of the weight or more: at lift-off N is zero, and |F|/N is no friction that a
+        pair of materials could have, or the quotient of two round-offs. Zero where there is no such
+        instant.
     normal_force : float
         The least, in m g.
     phi_min, phi_max : float
@@ -228,10 +229,10 @@ def _slippery(solution: Solution, ratio: float) -> Finding:
     """Return the finding that a rim that never slips needs more friction than there is."""
     needs = (
         f"Rolling needs a friction of {ratio:.4g}, which few pairs have: with less the rim slips"
+        if np.isfinite(ratio)
+        else "A rim that never slips needs friction without bound where its contact is lost"
     )
     if solution.problem.effects.compliance is not None:
-        if not np.isfinite(ratio):
-            needs = "A rim that never slips needs friction without bound where its contact is lost"
         sentence, model = f"{needs}. Declare slip: `compliant` carries it.", ""
     elif solution.problem.effects.declared():
         carries = "general" if solution.problem.effects.restitution is None else "unilateral"

@@ -31,6 +31,9 @@ from reference.problem.effects import IDEAL, EffectError, Effects
 from reference.problem.states import Floats, States
 from reference.problem.validation import RefusedError
 
+# Of the friction: a normal force no larger is a round-off.
+VANISHED = 1e-12
+
 
 def contact_force(states: States, parameters: Parameters) -> tuple[Floats, Floats, Floats]:
     """Force of the plane on the can, in the intermediate frame I.
@@ -75,8 +78,8 @@ def contact_force_in_world(states: States, parameters: Parameters) -> Floats:
 def friction_ratio(states: States, parameters: Parameters) -> Floats:
     """|F|/N, of a rolling can the friction coefficient it needs (eq01:friction_short), shape (n,).
 
-    Infinite where N is not positive: there the plane would have to pull. Zero where the plane
-    exerts no force at all: there the can flies.
+    Infinite where N is not positive, or a round-off beside the friction: there the plane would have
+    to pull. Zero where the plane exerts no force at all: there the can flies.
     """
     if states.force is not None:
         return ratio_of(states.force.T)
@@ -87,7 +90,8 @@ def friction_ratio(states: States, parameters: Parameters) -> Floats:
 def ratio_of(force: Floats | tuple[Floats, Floats, Floats]) -> Floats:
     """|F|/N of the components of forces, each of shape (n,), as `friction_ratio` has it."""
     F_x, F_y, N = force
-    friction, pushes = np.hypot(F_x, F_y), N > 0
+    friction = np.hypot(F_x, F_y)
+    pushes = VANISHED * friction < N
     if pushes.all():
         return np.asarray(friction / N)
     ratio: Floats = np.divide(friction, N, out=np.full_like(friction, np.inf), where=pushes)

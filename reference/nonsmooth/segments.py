@@ -166,17 +166,17 @@ class SegmentsPath:
     def nodes(self, *, lifts: bool = False) -> tuple[Floats, States]:
         """Return times and states at four instants of each piece, and at the end.
 
-        And just before contact changes to where friction is largest: where a static friction above
-        the kinetic lets go, and where a rim that friction holds without limit leaves the plane.
+        And just before changes of contact at which friction may be largest: where a static friction
+        above the kinetic lets go, and where a rim that friction holds without limit begins to fly.
 
         Parameters
         ----------
         lifts : bool
-            Whether the rim leaves the plane at the end of the path.
+            Whether a flight follows the path.
         """
         count, modes = len(self._cuts), [piece.mode for piece in self.pieces]
         places = [(n, look) for n in range(count) for look in LOOKS] + [(count - 1, 1.0)]
-        lifted = []
+        lifted: list[int] = []
         if self.equations.mu_static > self.equations.mu:
             lets_go = [n for n in range(count - 1) if modes[n + 1].slips and not modes[n].slips]
             places = sorted([*places, *((n, 1.0) for n in lets_go)])
@@ -188,14 +188,11 @@ class SegmentsPath:
         parts = np.array([part for _, part in places])
         y = self._rows(number, parts * self._cuts[number])
         before = (parts == 1.0) & ((number < count - 1) | np.isin(number, lifted))
-        times = np.where(before, np.nextafter(y[TIME], -np.inf), y[TIME])
+        # a sum of the series may end a rounding later than what follows begins
+        ends = np.minimum(y[TIME], np.array(self.end_times)[number])
+        times = np.where(before, np.nextafter(ends, -np.inf), y[TIME])
         keep = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0])
-        states = self._states(y[:, keep], number[keep])
-        if lifted and states.force is not None:
-            # the plane no longer pushes, but for a round-off
-            leaves = before[keep]
-            states.force[leaves, 2] = 0.0
-        return times[keep], states
+        return times[keep], self._states(y[:, keep], number[keep])
 
     def _instant(self, number: NDArray[np.intp], times: Floats) -> Floats:
         """Return the place of each time in its piece, by Newton's method within a bisection."""

@@ -44,7 +44,7 @@ def in_turns(
     first: Callable[[], object],
     second: Callable[[], object],
     repeats: int = REPEATS,
-    runs: tuple[int, int] = (1, 1),
+    runs: int = 1,
 ) -> tuple[float, float]:
     """Return the shortest processor times of two pieces of work, s, warmed up and run in turns.
 
@@ -53,17 +53,17 @@ def in_turns(
     first, second : callable
     repeats : int
         Turns of each.
-    runs : tuple of 2 ints
+    runs : int
         Of each in its turn: what takes less than a millisecond takes twice as long where the other
         has just filled the processor's caches.
     """
     first()
     second()
 
-    def shortest(work: Callable[[], object], times: int) -> float:
-        return min(seconds(work) for _ in range(times))
+    def shortest(work: Callable[[], object]) -> float:
+        return min(seconds(work) for _ in range(runs))
 
-    pairs = [(shortest(first, runs[0]), shortest(second, runs[1])) for _ in range(repeats)]
+    pairs = [(shortest(first), shortest(second)) for _ in range(repeats)]
     return min(pair[0] for pair in pairs), min(pair[1] for pair in pairs)
 
 

@@ -48,7 +48,7 @@ _BEGUN, _BEGUN_OF_TRUTH = 1e-2, 1e-3
 _STOPPED, _STOPPED_OF_TRUTH = 1e-8, 1e-10
 _REPEATS = 15
 # Turns of a scene and the rival, and runs of each in its turn.
-_TURNS, _RUNS = 5, (10, 3)
+_TURNS, _RUNS = 5, 10
 # How many times faster than DOP853 the integrator is to be, of every scene.
 _FASTER = 10.0
 # Strength, in units of the can, of laws that are declared for what they cost.

@@ -30,6 +30,13 @@ def test_work_of_twice_the_size_takes_longer() -> None:
     assert 0.0 < short < long
 
 
+def test_each_has_as_many_runs_in_its_turn() -> None:
+    order: list[str] = []
+    in_turns(lambda: order.append("a"), lambda: order.append("b"), repeats=2, runs=3)
+    # once to warm up
+    assert "".join(order) == "ab" + 2 * "aaabbb"
+
+
 def test_a_median_of_pairs_does_not_mind_a_few_that_are_disturbed() -> None:
     first, second = np.full(25, 3.0), np.full(25, 2.0)
     first[:3] *= 10.0

@@ -1,5 +1,6 @@
 """The peaks of a bounce: of two humps the higher one, whichever of them the samples hit better."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -70,28 +71,39 @@ def test_the_peak_is_the_largest_of_many_samples(problem: Problem, *, compiled: 
     assert motion.bounces[0].peak_friction_ratio >= dense * (1.0 - 1e-12)
 
 
-@pytest.mark.parametrize(
-    "effects",
-    [
-        Effects(compliance=Compliance(stiffness=1e3, damping=5.0)),
-        Effects(compliance=Compliance(stiffness=1e3)),
-        Effects(restitution=Restitution(coefficient=0.5)),
-    ],
-    ids=["damped", "undamped", "rigid"],
-)
-def test_friction_without_limit_has_no_peak_where_the_rim_lifts(effects: Effects) -> None:
-    # with limited friction the normal force takes the friction along: the ratio stays below mu
-    motion = solve(
-        Problem(
-            parameters=PAPER_CAN,
-            phi=0.35,
-            phi_dot=-1.3,
-            psi_dot=0.6,
-            theta_dot=-2.7,
-            bounces=1,
-            effects=effects,
-        )
+RIGID = Effects(restitution=Restitution(coefficient=0.5))
+LIFTS = [
+    Effects(compliance=Compliance(stiffness=1e3, damping=5.0)),
+    Effects(compliance=Compliance(stiffness=1e3)),
+    RIGID,
+]
+# phi, phi', psi', theta': in the first the plane lets go a rounding before the flight begins
+THROWN = [
+    (0.37309208119920184, -1.3409895748270435, 0.6438717378864841, -2.8728409050920893),
+    *((0.35, -1.3 - 0.002 * n, 0.6 + 0.001 * n, -2.7 - 0.003 * n) for n in range(8)),
+]
+
+
+def _thrown(release: tuple[float, float, float, float], effects: Effects) -> Problem:
+    phi, phi_dot, psi_dot, theta_dot = release
+    return Problem(
+        parameters=PAPER_CAN,
+        phi=phi,
+        phi_dot=phi_dot,
+        psi_dot=psi_dot,
+        theta_dot=theta_dot,
+        bounces=1,
+        effects=effects,
     )
+
+
+@pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=needs_numba)])
+@pytest.mark.parametrize("release", THROWN)
+@pytest.mark.parametrize("effects", LIFTS, ids=["damped", "undamped", "rigid"])
+def test_friction_without_limit_has_no_peak_where_the_rim_lifts(
+    effects: Effects, release: tuple[float, float, float, float], *, compiled: bool
+) -> None:
+    motion = solve(_thrown(release, effects), compiled=compiled)
     lift = next(
         before.end
         for before, after in pairwise(motion.phases)
@@ -101,3 +113,19 @@ def test_friction_without_limit_has_no_peak_where_the_rim_lifts(effects: Effects
     ratios = friction_ratio(motion.at(lift - np.array([1e-3, 1e-4, 1e-5])), PAPER_CAN)
     assert (ratios[1:] > 5 * ratios[:-1]).all()
     assert motion.bounces[0].peak_friction_ratio == np.inf
+
+
+@pytest.mark.parametrize("effects", LIFTS, ids=["damped", "undamped", "rigid"])
+def test_limited_friction_has_a_peak_where_the_rim_lifts(effects: Effects) -> None:
+    # the normal force takes the friction along
+    motion = solve(_thrown(THROWN[1], replace(effects, mu=1.0)))
+    assert Kind.FLIGHT in [phase.kind for phase in motion.phases]
+    assert 0.1 < motion.bounces[0].peak_friction_ratio <= 1.0 + 1e-12
+
+
+def test_a_can_that_lands_on_its_face_and_flies_has_pushed_until_then() -> None:
+    motion = solve(Problem(parameters=PAPER_CAN, phi=0.3, bounces=1, effects=RIGID))
+    land = next(phase.end for phase in motion.phases if phase.kind is Kind.STICK)
+    before = np.linspace(0.0, land, 2_001)[:-1]
+    dense = float(friction_ratio(motion.at(before), PAPER_CAN).max())
+    assert motion.bounces[0].peak_friction_ratio == pytest.approx(dense, rel=1e-3)
