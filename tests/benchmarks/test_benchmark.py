@@ -82,13 +82,14 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
         (start_up, {"_ROUNDS": 1, "_COMMANDS": ((("--version",), 4.0), (("scenes",), None))}),
         (reference, {"_BATCH": 1000, "_SCIPY_RELEASES": 1, "_SIDE": 20}),
         (reference, {"_HEYOKA_RELEASES": 80}),
-        (reference, {"_TURNS": 1, "_SHORT": 1, "_LONG": 1}),
+        (reference, {"_TURNS": 1, "_RUNS": 1}),
         (friction, {"SCENES": friction.SCENES[:1], "_TOLERANCES": ((1e-6, 1e-3),), "_REPEATS": 1}),
+        (friction, {"_TURNS": 1, "_RUNS": 1}),
         (
             whole_jobs,
             {
                 "_MANY": 1000,
-                "_MORE": 2000,
+                "_MORE": 1_000_000,
                 "_QUICK_SUITE": 1000.0,
                 "_SUITE": ("run", "gentle-rock", "--engine", "mujoco"),
             },
@@ -105,7 +106,7 @@ def bound_holds(row: dict[str, Any]) -> bool:
     """Whether a ratio keeps the bound that is claimed of it in words."""
     at_least = re.search(r"at least ([\d,.]+) times", row["claim"])
     at_most = re.search(r"at most ([\d,.]+)", row["claim"])
-    within = re.search(r"under ([\d.e-]+) s", row["claim"])
+    within = re.search(r"under ([\d.,e-]+) s", row["claim"])
     held: dict[re.Match[str] | None, Callable[[float], bool]] = {
         at_least: lambda limit: row["ratio"] >= limit,
         at_most: lambda limit: row["ratio"] <= limit,

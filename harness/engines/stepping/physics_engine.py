@@ -46,7 +46,7 @@ from harness.execution.worker_main import compiling
 from models import InvalidValueError, Scene
 from models.rim import released
 
-SHORTEST = 0.05
+SHORTEST = 0.02
 """Natural times sqrt(R/g) between two looks where the end is near, or nothing is known yet."""
 
 
@@ -96,9 +96,13 @@ class HorizonPrediction:
         if self._rising:
             # a rise takes as long as the fall
             left = RISE_MARGIN * (self._fall + self._seen_falling) - since
+        elif self._turned == 0.0:
+            # as long as the fall has taken
+            left = since
         else:
-            # as long as the fall has taken; half of it where the run may end soon after a rise
-            left = since if self._turned == 0.0 else since / 2.0
+            # where the run may end after a rise, until that shows; half of what is past in the end
+            shown = RISE_MARGIN * self._seen_falling - since
+            left = shown if shown > 0.0 else since / 2.0
         return max(left, self._shortest)
 
 

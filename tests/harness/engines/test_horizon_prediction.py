@@ -58,6 +58,16 @@ def test_the_fall_after_a_rise_counts_from_the_top() -> None:
     assert prediction.ahead() <= 1.02 * 1.1  # not the whole run since the release
 
 
+def test_a_run_ends_when_the_rise_is_seen_to_be_over() -> None:
+    prediction = HorizonPrediction(GENTLE)
+    prediction.see(*rock(0.0, 0.8))
+    prediction.see(*rock(0.9, 1.9))
+    time, falling = rock(0.0, 0.01)
+    prediction.see(time + 2.0, falling)
+    # at the release it took 0.01 s to see that it fell, in samples 0.04 s apart
+    assert 0.02 < prediction.ahead() < 0.04
+
+
 def test_an_end_in_time_needs_no_foresight() -> None:
     assert HorizonPrediction(replace(GENTLE, horizon=Horizon(seconds=1.0))).ahead() == np.inf
 
