@@ -149,18 +149,25 @@ def _farthest(points: Floats, curve: Floats) -> float:
     The chords of the nearest point alone bound a distance from above, and bring most of it. So the
     others are tried from the largest bound on, until what was found is no less than what is left.
     """
-    # where the curve crosses itself the nearest chord need not end in the nearest point
-    _, near = scipy.spatial.KDTree(curve).query(points, k=min(_NEIGHBOURS, len(curve)))
+    tree = scipy.spatial.KDTree(curve)
     # components of their own: sums over an axis of two take several times as long
     ends, own = np.ascontiguousarray(curve.T), np.ascontiguousarray(points.T)
-    bound = _nearest_chord(own, ends, near[:, :1])
+
+    def distances(tried: Integers | slice, count: int) -> Floats:
+        """Return squares of distances to the chords of so many nearest points."""
+        _, near = tree.query(points[tried], k=np.arange(1, 1 + min(count, len(curve))))
+        return _nearest_chord(own[:, tried], ends, near)
+
+    everything = slice(None)
+    bound = distances(everything, 1)
+    # where the curve crosses itself the nearest chord need not end in the nearest point
     if not np.isfinite(bound).all():  # numbers that break have no order
-        return math.sqrt(_nearest_chord(own, ends, near).max())
+        return math.sqrt(distances(everything, _NEIGHBOURS).max())
     order = np.argsort(-bound)
     found, start, count = -math.inf, 0, _FIRST
     while start < len(order) and bound[order[start]] > found:
         tried = order[start : start + count]
-        found = max(found, float(_nearest_chord(own[:, tried], ends, near[tried]).max()))
+        found = max(found, float(distances(tried, _NEIGHBOURS).max()))
         start, count = start + count, 4 * count
     return math.sqrt(found)
 

@@ -337,7 +337,7 @@ class GeneralEquations:
     def _free(self, here: Setting, mode: Mode) -> tuple[Floats, Floats]:
         """Return (w', u') without a force of the plane, shape (6, n), and D, shape (n, 6, 6)."""
         e, at, w = self.effects, here.at, here.turning
-        inverse: Floats = np.asarray(np.linalg.inv(np.moveaxis(here.inertia, -1, 0)))
+        inverse: Floats = np.asarray(np.linalg.inv(here.inertia.transpose(2, 0, 1)))
         momentum = applied(here.inertia, w)
         torque = -at.S * (cross(w, momentum) + e.angular_damping * momentum)
         if self.fluid and not mode.flies and not self._still(mode):
@@ -366,9 +366,9 @@ class GeneralEquations:
             # theta' = 0 is kept in directions that precess with the can
             start[ROLLING_1] += w[0] * w[1]
         answer = np.einsum("nij,jn->in", mobility, law)
-        columns = np.moveaxis(mobility[:, :, held], 0, -1)
+        columns = mobility[:, :, held].transpose(1, 2, 0)
         columns[:, -1] = answer
-        matrix = np.moveaxis(columns[held], -1, 0)
+        matrix = columns[held].transpose(2, 0, 1)
         normal_mobility = answer[NORMAL]
         if len(held) > 1:
             # what is held answers, too; the law of the normal force in the last column

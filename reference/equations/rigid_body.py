@@ -50,7 +50,7 @@ def mobility_of(inverse: Floats, here: Setting, at: Angles) -> Floats:
     n = at.S.size
     x, y, z = here.arm
     zero = np.zeros_like(x)
-    arm = np.moveaxis(np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]), -1, 0)
+    arm = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
     lever = inverse @ arm
     level = np.zeros((n, 3, 3), dtype=x.dtype)
     level[:, 0, 0], level[:, 0, 2] = at.C, -at.S
