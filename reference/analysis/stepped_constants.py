@@ -5,8 +5,8 @@ Derivatives by them are exact to round-off, as those by the state
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import fields
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -17,45 +17,11 @@ from reference.equations.contact_laws import Mode
 from reference.equations.newton_euler import GeneralEquations
 from reference.integrable.frobenius import CanConstants
 from reference.problem.can import Parameters
-from reference.problem.effects import LINEAR, Compliance, Effects, Gravity, Mass, Restitution
+from reference.problem.effects import LINEAR, Effects, Gravity
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _SteppedEffects(Effects):
-    def __post_init__(self) -> None:
-        """Take constants that were accepted before, and are stepped into the complex plane."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _SteppedGravity(Gravity):
-    def __post_init__(self) -> None:
-        """Likewise."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _SteppedMass(Mass):
-    def __post_init__(self) -> None:
-        """Likewise."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _SteppedRestitution(Restitution):
-    def __post_init__(self) -> None:
-        """Likewise."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _SteppedCompliance(Compliance):
-    def __post_init__(self) -> None:
-        """Likewise."""
-
-    def depth_under(self, load: float) -> float:
-        """Return the depth that bears a load, complex as the law is."""
-        depth: Any = (load / self.stiffness) ** (1 / self.exponent)
-        return depth  # type: ignore[no-any-return]
-
+Constants = TypeVar("Constants")
 
 SCALARS = {
     "slip.mu": "mu",
@@ -119,33 +85,37 @@ def constants(effects: Effects) -> tuple[str, ...]:
 def stepped(problem: Problem, name: str) -> GeneralEquations:
     """Return the equations of a problem with one constant moved by an imaginary step."""
     p, effects = problem.parameters, problem.effects
-    values: dict[str, Any] = {field: getattr(effects, field) for field in Effects.__slots__}
     can: dict[str, Any] = {field: getattr(p, field) for field in ("a", "c", "h")}
     effect, _, constant = name.partition(".")
     if name in can:
         can[name] += 1j * STEP
     elif name in SCALARS:
-        values[SCALARS[name]] += 1j * STEP
-    elif effect == "point_mass" and effects.mass is not None:
-        mass: dict[str, Any] = {field: getattr(effects.mass, field) for field in Mass.__slots__}
-        mass[OF_MASS[constant]] += 1j * STEP
-        values["mass"] = _SteppedMass(**mass)
-    elif effect == "compliance" and effects.compliance is not None:
-        law: dict[str, Any] = {key: getattr(effects.compliance, key) for key in OF_COMPLIANCE}
-        law[constant] += 1j * STEP
-        values["compliance"] = _SteppedCompliance(**law)
-    elif effect == "restitution" and effects.restitution is not None:
-        given = effects.restitution
-        moved: Any = given.coefficient + 1j * STEP
-        values["restitution"] = _SteppedRestitution(coefficient=moved, law=given.law)
+        effects = _moved(effects, SCALARS[name])
+    elif effect == "point_mass":
+        effects = _changed(effects, mass=_moved(effects.mass, OF_MASS[constant]))
+    elif effect in {"compliance", "restitution"}:
+        effects = _changed(effects, **{effect: _moved(getattr(effects, effect), constant)})
     else:
-        values["gravity"] = _stepped_gravity(effects.gravity, effect, constant)
+        effects = _changed(effects, gravity=_stepped_gravity(effects.gravity, effect, constant))
     parameters: Any = CanConstants(**{field: np.asarray(value) for field, value in can.items()})
-    return equations_of_contact(parameters, _SteppedEffects(**values))
+    return equations_of_contact(parameters, effects)
+
+
+def _moved(given: Constants, name: str) -> Constants:
+    """Return constants of which one is moved by an imaginary step."""
+    return _changed(given, **{name: getattr(given, name) + 1j * STEP})
+
+
+def _changed(given: Constants, **changes: object) -> Constants:
+    """Return constants of which some are changed, to what their class would refuse as complex."""
+    copy = object.__new__(type(given))
+    for field in fields(given):  # type: ignore[arg-type] # each is a dataclass
+        value = changes.get(field.name, getattr(given, field.name))
+        object.__setattr__(copy, field.name, value)
+    return copy
 
 
 def _stepped_gravity(gravity: Gravity, effect: str, constant: str) -> Gravity:
-    values: dict[str, Any] = {field: getattr(gravity, field) for field in Gravity.__slots__}
     if effect == "tilt":
         x, y, z = gravity.constant
         level = float(np.hypot(x, y))
@@ -153,15 +123,12 @@ def _stepped_gravity(gravity: Gravity, effect: str, constant: str) -> Gravity:
             (-y, x, 0.0) if constant == "direction" else (-z * x / level, -z * y / level, level)
         )
         pairs = zip(gravity.constant, turned, strict=True)
-        values["constant"] = tuple(old + 1j * STEP * new for old, new in pairs)
-    elif constant in {"rate", "phase"}:
-        values[constant] += 1j * STEP
-    else:
-        steps = [1j * STEP * (constant == axis) for axis in "xyz"]
-        values["amplitude"] = tuple(
-            old + new for old, new in zip(gravity.amplitude, steps, strict=True)
-        )
-    return _SteppedGravity(**values)
+        return _changed(gravity, constant=tuple(old + 1j * STEP * new for old, new in pairs))
+    if constant in {"rate", "phase"}:
+        return _moved(gravity, constant)
+    axes = [1j * STEP * (constant == axis) for axis in "xyz"]
+    amplitude = tuple(old + new for old, new in zip(gravity.amplitude, axes, strict=True))
+    return _changed(gravity, amplitude=amplitude)
 
 
 def by_varied(

@@ -101,7 +101,8 @@ class Compliance:
 
     def depth_under(self, load: float) -> float:
         """Return the depth in R at which a contact at rest bears a load in m g, not negative."""
-        return float((load / self.stiffness) ** (1 / self.exponent))
+        depth: float = (load / self.stiffness) ** (1 / self.exponent)
+        return depth
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
