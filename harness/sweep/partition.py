@@ -144,13 +144,12 @@ def encode_partition(part: pd.DataFrame, digest: str) -> bytes:
     table = pa.Table.from_arrays(list(arrays.values()), schema=schema)
     # numbers hardly repeat: a dictionary of them takes time and room. Their exponents do, and lie
     # together where all first bytes come first, then all second ones
-    doubles = [name for name, array in arrays.items() if pa.types.is_float64(array.type)]
     pq.write_table(
         table,
         sink,
         compression="zstd",
-        use_dictionary=[name for name in arrays if name not in doubles],
-        use_byte_stream_split=doubles,
+        use_dictionary=[OUTCOME],
+        use_byte_stream_split=[n for n, array in arrays.items() if pa.types.is_float64(array.type)],
         write_page_checksum=True,
     )
     return bytes(sink.getvalue().to_pybytes())

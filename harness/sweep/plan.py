@@ -33,7 +33,7 @@ MOST_ROWS = 1_000_000_000
 """Beyond the points that a Sobol sequence of doubles tells apart."""
 
 EXACT_ROWS = 32_768
-"""Rows of a partition by the exact bounce: half a second, a megabyte."""
+"""Rows of a partition by the exact bounce: half a second, one to two megabytes."""
 
 REDUCED_ROWS = 1_048_576
 """Scenes of a partition without rows: a few seconds, and some hundred kilobytes."""
@@ -45,7 +45,7 @@ COMPILED_FROM = 100_000
 """Rows from which on compiled kernels are used: below, reading them takes longer than they save."""
 
 COMPILED_ROWS = 65_536
-"""Rows of a partition by compiled kernels: a third of a second, four megabytes."""
+"""Rows of a partition by compiled kernels: a third of a second, two to four megabytes."""
 
 ENGINE_ROWS = 256
 """Rows of a partition of runs: a batch of an engine, about a second."""

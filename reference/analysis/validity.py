@@ -76,10 +76,10 @@ class Guard:
     ----------
     friction_ratio : float
         Largest |F|/N: of a rim that never slips the friction that it needs; infinite where N is not
-        positive. Of a can that lifts off, outside its whole bounces, at the instants with N of a
-        thousandth of the weight or more: at lift-off N is zero, and |F|/N is no friction that a
-        pair of materials could have, or the quotient of two round-offs. Zero where there is no such
-        instant.
+        positive. Of a can that may leave the plane, outside its whole bounces, at instants with N
+        of a thousandth of the weight or more: at lift-off N is zero, and |F|/N is no friction that
+        a pair of materials could have, or the quotient of two round-offs. Zero where there is no
+        such instant.
     normal_force : float
         The least, in m g.
     phi_min, phi_max : float

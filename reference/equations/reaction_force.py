@@ -78,8 +78,8 @@ def contact_force_in_world(states: States, parameters: Parameters) -> Floats:
 def friction_ratio(states: States, parameters: Parameters) -> Floats:
     """|F|/N, of a rolling can the friction coefficient it needs (eq01:friction_short), shape (n,).
 
-    Infinite where N is not positive, or a round-off beside the friction: there the plane would have
-    to pull. Zero where the plane exerts no force at all: there the can flies.
+    Infinite where N is not positive, so that the plane would have to pull, or no more than a
+    round-off beside the friction. Zero where the plane exerts no force at all: there the can flies.
     """
     if states.force is not None:
         return ratio_of(states.force.T)

@@ -10,6 +10,7 @@ import numpy as np
 
 from reference.equations.compiled_equations import CONTACT_ROWS, FORCE
 from reference.equations.kernels import contact_of, false_and_zero
+from reference.equations.reaction_force import VANISHED
 from reference.equations.state_vector import (
     LEAN,
     PSI,
@@ -158,7 +159,7 @@ def _measured(E: Floats, of: Pieces, piece: int, c: float, work: Work, out: Floa
     rests, only = false_and_zero(E)
     contact_of(E, (slips[piece] != 0, turns[piece], rests), y, only, D, here)
     friction, N = np.hypot(here[FORCE], here[FORCE + 1]), here[FORCE + 2]
-    out[1] = friction / N if N > 0 or isnan(N) else np.inf
+    out[1] = friction / N if VANISHED * friction < N or isnan(N) else np.inf
 
 
 @inner

@@ -23,7 +23,8 @@ class Ratio:
         The bound that the project holds itself to; empty where it only reports.
     holds : bool
     first_s, second_s : float
-        Processor time of each, s: the shortest of the repeats, or the median of pairs.
+        Processor time of each, s: the shortest of the repeats, or the median of pairs. Of a whole
+        job its wall time, or that of a larger one by its rate.
     note : str
         What the two have in common: the error that both meet, the number of cases.
     interval : tuple of 2 floats, or None

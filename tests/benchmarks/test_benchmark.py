@@ -90,6 +90,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
             {
                 "_MANY": 1000,
                 "_MORE": 1_000_000,
+                "_STARTS": 1,
                 "_QUICK_SUITE": 1000.0,
                 "_SUITE": ("run", "gentle-rock", "--engine", "mujoco"),
             },

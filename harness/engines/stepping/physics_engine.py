@@ -100,7 +100,7 @@ class HorizonPrediction:
             # as long as the fall has taken
             left = since
         else:
-            # where the run may end after a rise, until that shows; half of what is past in the end
+            # after a rise the run may be over: until a fall would show, and then half as long again
             shown = RISE_MARGIN * self._seen_falling - since
             left = shown if shown > 0.0 else since / 2.0
         return max(left, self._shortest)
