@@ -235,7 +235,8 @@ def solve(
         allowed = ", ".join(WITH_LOCUS)
         sentence = f"`model` {model!r} has no contact locus; {allowed} have"
         raise SolverError("model", model, allowed, sentence)
-    if model != "auto" and problem.effects.declared() and not carries(model, problem):
+    declared = problem.effects.declared()
+    if model != "auto" and declared and not carries(model, problem):
         sentence = (
             f"`model` {model!r} is too small; the smallest that carries this is {choice.model!r}"
         )
@@ -256,7 +257,7 @@ def solve(
             problem.parameters,
             known=run.peaks,
             sliding=solved_by == "frictionless",
-            symmetric=not problem.effects.declared(),
+            symmetric=not declared,
             compiled=compiled,
         )
     phases = run.phases

@@ -98,7 +98,7 @@ def short_of_balance(h: Floats, phi: Floats) -> Floats:
     ndarray, shape (n,)
     """
     if np.size(h) == 1:
-        nearest, rest = _balance_of_one(float(np.reshape(h, ())))
+        nearest, rest = balance_of_one(float(np.reshape(h, ())))
         return np.asarray((nearest - phi) + rest)
     rounded, remainder = balancing_angle(np.asarray(h))
     return np.asarray((rounded - phi) + remainder)
@@ -111,7 +111,8 @@ def balancing_angle(h: Floats) -> Pair:
 
 
 @lru_cache(maxsize=256)
-def _balance_of_one(h: float) -> tuple[float, float]:
+def balance_of_one(h: float) -> tuple[float, float]:
+    """phi* of one can as a double and a rest."""
     rounded, rest = balancing_angle(np.asarray(h))
     return float(rounded), float(rest)
 

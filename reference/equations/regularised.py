@@ -27,11 +27,12 @@ tests/reference/test_regular.py.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import sqrt
 
 import numpy as np
 
-from reference.equations.balancing_angle import short_of_balance
+from reference.equations.balancing_angle import balance_of_one
 from reference.problem.can import Parameters
 from reference.problem.states import Floats
 
@@ -67,9 +68,21 @@ def regular_equations(
 ) -> RegularEquations:
     """Return the vector field of a can for rises over the nutation `release`."""
     p = parameters
+    nearest, rest = balance_of_one(p.h)
+    return RegularEquations(
+        forms=_forms(p),
+        short=(nearest - release) + rest,
+        swing=p.a_p / p.pendulum_inertia,
+        compiled=compiled,
+    )
+
+
+@lru_cache(maxsize=256)
+def _forms(p: Parameters) -> Floats:
+    """Return the linear forms of a can, which nobody writes to, shape (7, 4)."""
     h, k, a_p, c_p = p.h, p.k, p.a_p, p.c_p
     kc, hk, inertia = k * c_p, h * k, p.pendulum_inertia
-    forms = np.array(
+    return np.array(
         [
             [-h / inertia, 2 * h / inertia, (c_p - a_p) / inertia, a_p / inertia],
             [2 - 2 * kc, kc - k * a_p, -2 * hk, 0.0],
@@ -79,12 +92,6 @@ def regular_equations(
             [0.0, sqrt(h * h + 1) / inertia, 0.0, 0.0],
             [0.0, kc, 0.0, 0.0],
         ]
-    )
-    return RegularEquations(
-        forms=forms,
-        short=float(short_of_balance(np.asarray(h), np.asarray(release))),
-        swing=a_p / inertia,
-        compiled=compiled,
     )
 
 

@@ -294,6 +294,8 @@ class Effects:
 
     def declared(self) -> tuple[str, ...]:
         """Return the names of the declared effects."""
+        if self is IDEAL:
+            return ()
         present = {
             "slip": self.mu is not None,
             "compliance": self.compliance is not None,

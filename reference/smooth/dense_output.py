@@ -8,7 +8,8 @@ import numpy as np
 from reference.equations.regularised import sine_of
 from reference.numerics.batching import in_blocks
 from reference.numerics.chebyshev import clenshaw, derivative, points, to_coefficients, waves
-from reference.problem.states import Floats, States, select_states
+from reference.problem.problem import Problem
+from reference.problem.states import Floats, States, initial_states, select_states
 
 TIME = 5
 # Newton on a monotone, nearly linear function: a handful of rounds, bisection where they overshoot.
@@ -106,13 +107,15 @@ class ElementsPath:
     Attributes
     ----------
     values : ndarray, shape (quantities, steps, nodes)
+    release : Problem
+        Whose release a path without steps is.
     """
 
     values: Floats
-    release: States
+    release: Problem
 
     @classmethod
-    def of(cls, pieces: Sequence[Piece], release: States) -> "ElementsPath":
+    def of(cls, pieces: Sequence[Piece], release: Problem) -> "ElementsPath":
         """Return the path of steps; without a step it is the release."""
         if not pieces:
             return cls(values=np.empty((8, 0, 2)), release=release)
@@ -121,7 +124,7 @@ class ElementsPath:
     def nodes(self) -> tuple[Floats, States]:
         """Return times and states at the Chebyshev points, each shared end once."""
         if not self.values.shape[1]:
-            return np.zeros(1), self.release
+            return np.zeros(1), initial_states(self.release)
         inner = self.values[:, :, :-1].reshape(len(self.values), -1)
         flat = np.concatenate([inner, self.values[:, -1, -1:]], axis=1)
         return flat[TIME], _states(flat)
@@ -133,7 +136,8 @@ class ElementsPath:
     def at(self, times: Floats) -> States:
         """States at the given times, shape (n,)."""
         if not self.values.shape[1]:
-            return select_states(self.release, np.zeros(times.size, dtype=np.intp))
+            there = np.zeros(times.size, dtype=np.intp)
+            return select_states(initial_states(self.release), there)
         return in_blocks(self._block, times)
 
     def _block(self, times: Floats) -> States:

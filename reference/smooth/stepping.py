@@ -117,7 +117,7 @@ def integrate(
         length = _step(equations, state, watch, length)
         if not length > 0:
             watch.end(state.time, Outcome.STALLED)
-    path = ElementsPath.of(state.pieces, initial_states(problem))
+    path = ElementsPath.of(state.pieces, problem)
     return Run(
         path=path, track=watch.track(), steps=len(state.pieces), evaluations=state.evaluations
     )

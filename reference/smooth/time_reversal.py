@@ -23,7 +23,7 @@ from reference.equations.regularised import NUTATION_RATE
 from reference.numerics.chebyshev import points, to_coefficients, waves
 from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
-from reference.problem.states import Floats, Snapshot, States, initial_states, select_states
+from reference.problem.states import Floats, Snapshot, States, select_states
 from reference.smooth.dense_output import TIME, ElementsPath, Piece
 from reference.smooth.extrema import PROMINENCE, Extrema, ExtremumRecorder, Run
 from reference.smooth.stepping import integrate
@@ -183,7 +183,7 @@ def integrate_by_symmetry(problem: Problem, *, locus: bool, compiled: bool = Fal
             return _back_and_beyond(problem, ahead, behind)
         pieces.insert(0, _reversed(_values(behind)))
     values = pieces[0] if behind is None else np.concatenate(pieces, axis=1)
-    half = ElementsPath(values=values, release=_elements(ahead).release)
+    half = ElementsPath(values=values, release=problem)
     edges = half.ends()
     low, high = edges.phi.min(), edges.phi.max()
     if high - low < PROMINENCE * high:
@@ -220,7 +220,7 @@ def _back_and_beyond(problem: Problem, ahead: Run, beyond: Run) -> Run:
     if problem.duration is not None and problem.duration <= ends:
         values, ends, outcome = _up_to(values, problem.duration), problem.duration, Outcome.FINISHED
     return Run(
-        path=ElementsPath(values=values, release=initial_states(problem)),
+        path=ElementsPath(values=values, release=problem),
         track=replace(ahead.track, t_end=ends, outcome=outcome),
         steps=ahead.steps + beyond.steps,
         evaluations=ahead.evaluations + beyond.evaluations,
