@@ -41,8 +41,8 @@ class Bounce:
     peak_psi_dot : float
         Precession rate of largest magnitude, with its sign, in sqrt(g/R).
     peak_friction_ratio : float
-        Largest |F|/N; infinite where the plane would have to pull, or
-        does not push but holds the rim: friction without limit does not vanish with the push.
+        Largest |F|/N; infinite where the plane would have to pull, or does not push but
+        holds the rim: friction without limit does not vanish with the push.
     """
 
     time: float

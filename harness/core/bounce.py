@@ -22,8 +22,8 @@ class Bounce:
     peak_psi_dot : float
         Precession rate of largest magnitude, with its sign, rad/s.
     peak_friction_ratio : float
-        Largest |F|/N, dimensionless; infinite where the plane would have to pull, or
-        does not push but holds the rim: friction without limit does not vanish with the push.
+        Largest |F|/N, dimensionless; infinite where the plane would have to pull, or does not
+        push but holds the rim: friction without limit does not vanish with the push.
     resolved : bool
         False if the record is too coarse to tell how often psi went round in this bounce.
     """

@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ellipkm1, elliprf
 
-from reference.equations.balancing_angle import short_of_balance
+from reference.equations.balancing_angle import short_of_one
 from reference.equations.reaction_force import contact_from_centre
 from reference.integrable.elliptic import squared_sn_cn
 from reference.problem.can import Parameters
@@ -48,7 +48,7 @@ def frequency(parameters: Parameters) -> float:
 
 def lean_of(parameters: Parameters, phi: float) -> float:
     """Return phi - phi*, with all its digits near balance."""
-    return -float(short_of_balance(np.asarray(parameters.h), np.asarray(phi)))
+    return -short_of_one(parameters.h, phi)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

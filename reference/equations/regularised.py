@@ -32,7 +32,7 @@ from math import sqrt
 
 import numpy as np
 
-from reference.equations.balancing_angle import balance_of_one
+from reference.equations.balancing_angle import short_of_one
 from reference.problem.can import Parameters
 from reference.problem.states import Floats
 
@@ -68,10 +68,9 @@ def regular_equations(
 ) -> RegularEquations:
     """Return the vector field of a can for rises over the nutation `release`."""
     p = parameters
-    nearest, rest = balance_of_one(p.h)
     return RegularEquations(
         forms=_forms(p),
-        short=(nearest - release) + rest,
+        short=short_of_one(p.h, release),
         swing=p.a_p / p.pendulum_inertia,
         compiled=compiled,
     )

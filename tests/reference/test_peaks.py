@@ -145,6 +145,6 @@ def test_limited_friction_has_a_peak_where_the_rim_lifts(
 def test_a_can_that_lands_on_its_face_and_flies_has_pushed_until_then() -> None:
     motion = solve(Problem(parameters=PAPER_CAN, phi=0.3, bounces=1, effects=RIGID))
     land = next(phase.end for phase in motion.phases if phase.kind is Kind.STICK)
-    before = np.linspace(0.0, land, 2_001)[:-1]
+    before = np.linspace(0.0, land, 2_001)[:-1]  # the peak is at the end, half a step beyond
     dense = float(friction_ratio(motion.at(before), PAPER_CAN).max())
     assert motion.bounces[0].peak_friction_ratio == pytest.approx(dense, rel=1e-3)

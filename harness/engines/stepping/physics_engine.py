@@ -100,9 +100,11 @@ class HorizonPrediction:
             # as long as the fall has taken
             left = since
         else:
-            # after a rise the run may be over: until a fall would show, and then half as long again
+            # the run may be over: until a fall would show, and then half as long again;
+            # what takes long to show is no fall from rest, and tells nothing of the next
             shown = RISE_MARGIN * self._seen_falling - since
-            left = shown if shown > 0.0 else since / 2.0
+            soon = shown > 0.0 and self._seen_falling < self._fall / 2.0
+            left = shown if soon else since / 2.0
         return max(left, self._shortest)
 
 

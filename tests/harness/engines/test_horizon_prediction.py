@@ -68,6 +68,17 @@ def test_a_run_ends_when_the_rise_is_seen_to_be_over() -> None:
     assert 0.02 < prediction.ahead() < 0.04
 
 
+def test_a_fall_that_shows_late_tells_nothing_of_the_next() -> None:
+    prediction = HorizonPrediction(GENTLE)
+    time = np.linspace(0.0, 1.0, 21)
+    slow = GENTLE.release.phi * (1.0 - 0.015 * time)
+    prediction.see(time, slow)
+    prediction.see(time + 1.0, slow[::-1])
+    prediction.see(time[:3] + 2.05, slow[1:4])
+    # a tenth of a second since the top, of a fall of a second that took 0.7 s to be seen
+    assert prediction.ahead() == pytest.approx(0.05)
+
+
 def test_an_end_in_time_needs_no_foresight() -> None:
     assert HorizonPrediction(replace(GENTLE, horizon=Horizon(seconds=1.0))).ahead() == np.inf
 
