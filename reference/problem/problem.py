@@ -22,6 +22,8 @@ from reference.problem.validation import (
 LEAST = 1e-150
 """Least phi, and the reciprocal of the largest rate: beyond them squares leave the doubles."""
 
+_NUTATION, _RATE = f"inside [{LEAST:g}, pi/2)", f"below {1 / LEAST:g}"
+
 
 class ProblemError(RefusedError):
     """A release or a horizon that makes no sense."""
@@ -85,10 +87,10 @@ class Problem:
         numbers = ("phi", "psi", "theta", "phi_dot", "psi_dot", "theta_dot")
         require_numbers(ProblemError, {name: getattr(self, name) for name in numbers}, FINITE)
         inside = LEAST <= self.phi < math.pi / 2
-        require(ProblemError, "phi", self.phi, f"inside [{LEAST:g}, pi/2)", when=inside)
+        require(ProblemError, "phi", self.phi, _NUTATION, when=inside)
         for name in ("phi_dot", "psi_dot", "theta_dot"):
             rate = getattr(self, name)
-            require(ProblemError, name, rate, f"below {1 / LEAST:g}", when=abs(rate) < 1 / LEAST)
+            require(ProblemError, name, rate, _RATE, when=abs(rate) < 1 / LEAST)
         require_vector(ProblemError, "slip", self.slip, 2)
         fits = self.slip == (0.0, 0.0) or self.effects.mu is not None
         require(ProblemError, "slip", self.slip, "(0, 0) without declared friction", when=fits)
@@ -113,8 +115,9 @@ class Problem:
     def _require_fit(self) -> None:
         """Refuse a rim that is rounder than the can, and a mass outside it."""
         h, rim, mass = self.parameters.h, self.effects.rim, self.effects.mass
-        allowed = f"at most `h` = {h!r}, half the height, where the arcs of both rims meet"
-        require(ProblemError, "effects.rim", rim, allowed, when=rim <= h * (1 + ROUNDED))
+        if rim > h * (1 + ROUNDED):
+            allowed = f"at most `h` = {h!r}, half the height, where the arcs of both rims meet"
+            raise ProblemError("effects.rim", rim, allowed)
         allowed = "less than 1: the patch of contact is no wider than the can"
         patch = self.effects.patch
         require(ProblemError, "effects.patch", patch, allowed, when=patch < 1)

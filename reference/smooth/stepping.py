@@ -24,7 +24,7 @@ from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
 from reference.problem.states import Floats, Snapshot, initial_states
 from reference.smooth.dense_output import TIME, ElementsPath, Piece
-from reference.smooth.extrema import ExtremumRecorder, Run
+from reference.smooth.extrema import Extrema, ExtremumRecorder, Run
 from reference.smooth.picard_chebyshev import NODES, Element, Refused, advance, integral, shortened
 
 # A step spans at most this many of the fastest time scale at its start: e-folds of the nutation.
@@ -48,9 +48,10 @@ SHORTEST = 1e-9
 
 
 @dataclass(slots=True, kw_only=True)
-class _March:
-    """State of an integration between two steps."""
+class March:
+    """An integration between two steps, or behind its last."""
 
+    problem: Problem
     y: Floats
     time: float
     psi: float
@@ -61,14 +62,17 @@ class _March:
     guesses: list[Element] = field(default_factory=list)
     evaluations: int = 0
 
+    def path(self) -> ElementsPath:
+        """Return the steps that were taken as a path."""
+        return ElementsPath.of(self.pieces, self.problem)
 
-def integrate(
-    problem: Problem,
-    *,
-    locus: bool,
-    watch: ExtremumRecorder | None = None,
-    compiled: bool = False,
-) -> Run:
+    def run(self, track: Extrema) -> Run:
+        """Return the integration with its extrema and its ending."""
+        steps = len(self.pieces)
+        return Run(path=self.path(), track=track, steps=steps, evaluations=self.evaluations)
+
+
+def integrate(problem: Problem, *, locus: bool, compiled: bool = False) -> Run:
     """Integrate the rolling equations to the horizon or an ending.
 
     Parameters
@@ -76,8 +80,6 @@ def integrate(
     problem : Problem
     locus : bool
         Whether to integrate the contact point as well.
-    watch : ExtremumRecorder or None
-        Decides the ending; by default the horizon of the problem does.
     compiled : bool
         Whether to take the steps by compiled code.
 
@@ -85,6 +87,14 @@ def integrate(
     -------
     Run
     """
+    watch = ExtremumRecorder(problem)
+    return march(problem, watch, locus=locus, compiled=compiled).run(watch.track())
+
+
+def march(
+    problem: Problem, watch: ExtremumRecorder, *, locus: bool, compiled: bool = False
+) -> March:
+    """Integrate the rolling equations, as `integrate`, until a recorder decides the ending."""
     p = problem.parameters
     S = sin(problem.phi)
     equations = regular_equations(p, problem.phi, compiled=compiled)
@@ -92,7 +102,8 @@ def integrate(
     if locus:
         x, y = contact_from_centre(initial_states(problem), p)[0, :2].tolist()
         contact = (x, y)
-    state = _March(
+    state = March(
+        problem=problem,
         y=np.array(
             [
                 tan(problem.phi / 2),
@@ -107,7 +118,6 @@ def integrate(
         total=problem.psi + problem.theta,
         contact=contact,
     )
-    watch = ExtremumRecorder(problem) if watch is None else watch
     length = inf
     while not watch.ended():
         if state.pieces and watch.t_end - state.time <= 8 * np.spacing(watch.t_end):
@@ -117,14 +127,11 @@ def integrate(
         length = _step(equations, state, watch, length)
         if not length > 0:
             watch.end(state.time, Outcome.STALLED)
-    path = ElementsPath.of(state.pieces, problem)
-    return Run(
-        path=path, track=watch.track(), steps=len(state.pieces), evaluations=state.evaluations
-    )
+    return state
 
 
 def _step(
-    equations: RegularEquations, state: _March, watch: ExtremumRecorder, length: float
+    equations: RegularEquations, state: March, watch: ExtremumRecorder, length: float
 ) -> float:
     """Take one step; return the length to try next, 0 if none is short enough."""
     guess = _guess(state)
@@ -162,7 +169,7 @@ def _fastest(equations: RegularEquations, y: Floats) -> float:
     return float(max(sqrt(Phi**2 + equations.swing * q * q + abs(pull)), PENDULUM * sine))
 
 
-def _guess(state: _March) -> Element | None:
+def _guess(state: March) -> Element | None:
     """Return the step of the previous bounce that started at this state, or None."""
     place = len(state.cycle)
     if place >= len(state.guesses):
@@ -179,7 +186,7 @@ def _following(element: Element) -> float:
     return element.length * min(max(growth, 0.5), LARGEST_GROWTH)
 
 
-def _onto_extremum(equations: RegularEquations, state: _March, element: Element) -> Element:
+def _onto_extremum(equations: RegularEquations, state: March, element: Element) -> Element:
     """Stretch a step that ends just before or behind an extremum of phi so that it ends there.
 
     So the steps of one bounce, which ended on a maximum, end on the maximum of the next.
@@ -196,7 +203,7 @@ def _onto_extremum(equations: RegularEquations, state: _March, element: Element)
     return element if isinstance(better, Refused) else better
 
 
-def _piece(equations: RegularEquations, state: _March, element: Element) -> Piece:
+def _piece(equations: RegularEquations, state: March, element: Element) -> Piece:
     """Return quadratures over a step: time, precession, precession plus rotation, contact point."""
     if equations.compiled:
         from reference.smooth import kernels
@@ -221,7 +228,7 @@ def _piece(equations: RegularEquations, state: _March, element: Element) -> Piec
 
 def _cut_at_events(
     equations: RegularEquations,
-    state: _March,
+    state: March,
     watch: ExtremumRecorder,
     piece: Piece,
     element: Element,
@@ -297,7 +304,7 @@ def snapshot(column: list[float]) -> Snapshot:
     )
 
 
-def _accept(state: _March, piece: Piece, element: Element) -> None:
+def _accept(state: March, piece: Piece, element: Element) -> None:
     state.pieces.append(piece)
     state.cycle.append(element)
     state.y = piece.values[:TIME, -1].copy()

@@ -14,6 +14,7 @@ been amplified. A motion with a single extremum is mirrored at it as well; a mot
 integrated to its end.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,7 +27,7 @@ from reference.problem.problem import Problem
 from reference.problem.states import Floats, Snapshot, States, select_states
 from reference.smooth.dense_output import TIME, ElementsPath, Piece
 from reference.smooth.extrema import PROMINENCE, Extrema, ExtremumRecorder, Run
-from reference.smooth.stepping import integrate
+from reference.smooth.stepping import March, integrate, march
 
 
 class FirstExtremum(ExtremumRecorder):
@@ -98,12 +99,8 @@ class MirroredPath:
 
     def extrema(self, number: NDArray[np.int64]) -> tuple[Floats, States]:
         """Return times and states of the extrema, counted from `start`, shape (n,)."""
-        states = self._unfolded(select_states(self.edges, np.abs(number) % 2), number)
+        states = self._unfolded(select_states(self.edges, number % 2), number)
         return np.where(number == 1, self.end, self.start + number * self._span), states
-
-    def time_of(self, number: int) -> float:
-        """Return the time of an extremum, counted from `start`."""
-        return self.end if number == 1 else self.start + number * self._span
 
     @property
     def _span(self) -> float:
@@ -112,10 +109,13 @@ class MirroredPath:
     def _unfolded(self, states: States, number: NDArray[np.int64]) -> States:
         """States of the half, moved into the halves of the given numbers."""
         odd, cycle = number % 2 == 1, number // 2
-        turned = {}
-        for name in ("psi", "theta"):
-            value, (first, last) = getattr(states, name), getattr(self.edges, name)
-            turned[name] = np.where(odd, 2 * last - value, value) + cycle * (2 * (last - first))
+
+        def turned(value: Floats, edges: Floats) -> Floats:
+            first, last = edges.tolist()
+            folded = np.where(odd, 2 * last - value, value)
+            folded += cycle * (2 * (last - first))
+            return folded
+
         x, y = states.x, states.y
         if x is not None and y is not None:
             place = self._placed(x + 1j * y, odd, cycle)
@@ -124,9 +124,9 @@ class MirroredPath:
             phi=states.phi,
             # no negative zero
             phi_dot=np.where(odd, 0.0 - states.phi_dot, states.phi_dot),
-            psi=turned["psi"],
+            psi=turned(states.psi, self.edges.psi),
             psi_dot=states.psi_dot,
-            theta=turned["theta"],
+            theta=turned(states.theta, self.edges.theta),
             theta_dot=states.theta_dot,
             spin=states.spin,
             x=x,
@@ -170,36 +170,28 @@ def integrate_by_symmetry(problem: Problem, *, locus: bool, compiled: bool = Fal
     Run
     """
     watch = FirstExtremum(problem)
-    ahead = integrate(problem, locus=locus, watch=watch, compiled=compiled)
+    ahead = march(problem, watch, locus=locus, compiled=compiled)
     if not watch.met:
         # an ending or the horizon came first
-        return ahead
-    pieces, behind = [_values(ahead)], None
+        return ahead.run(watch.track())
+    half, marches = ahead.path(), [ahead]
     if problem.phi_dot != 0:
         back = replace(problem, phi_dot=-problem.phi_dot, bounces=1, duration=None)
-        watch = FirstExtremum(back)
-        behind = integrate(back, locus=locus, watch=watch, compiled=compiled)
-        if not watch.met:
-            return _back_and_beyond(problem, ahead, behind)
-        pieces.insert(0, _reversed(_values(behind)))
-    values = pieces[0] if behind is None else np.concatenate(pieces, axis=1)
-    half = ElementsPath(values=values, release=problem)
+        beyond = FirstExtremum(back)
+        behind = march(back, beyond, locus=locus, compiled=compiled)
+        if not beyond.met:
+            return _back_and_beyond(ahead, watch.track(), behind, beyond.track().outcome)
+        values = np.concatenate([_reversed(behind.path().values), half.values], axis=1)
+        half = ElementsPath(values=values, release=problem)
+        marches.append(behind)
     edges = half.ends()
     low, high = edges.phi.min(), edges.phi.max()
     if high - low < PROMINENCE * high:
         return integrate(problem, locus=locus, compiled=compiled)
-    path = MirroredPath(
-        half=half,
-        start=float(half.values[TIME, 0, 0]),
-        end=float(half.values[TIME, -1, -1]),
-        edges=edges,
-        t_end=0.0,
-    )
-    runs = (ahead,) if behind is None else (ahead, behind)
-    return _until_horizon(problem, path, runs)
+    return _until_horizon(half, edges, marches)
 
 
-def _back_and_beyond(problem: Problem, ahead: Run, beyond: Run) -> Run:
+def _back_and_beyond(ahead: March, track: Extrema, beyond: March, outcome: Outcome) -> Run:
     """Return a motion that meets one extremum, goes back on its own way, and past its release.
 
     Followed through the extremum it would have lost, where it almost stops beyond the release, all
@@ -207,22 +199,21 @@ def _back_and_beyond(problem: Problem, ahead: Run, beyond: Run) -> Run:
 
     Parameters
     ----------
-    problem : Problem
-    ahead : Run
+    ahead, track : March, Extrema
         From the release to the extremum.
-    beyond : Run
+    beyond, outcome : March, Outcome
         From the release turned round to the ending, which no extremum precedes.
     """
-    values = _values(ahead)
-    for part in (_reversed(values), _values(beyond)):
+    problem, values = ahead.problem, ahead.path().values
+    for part in (_reversed(values), beyond.path().values):
         values = np.concatenate([values, _continued(values, part)], axis=1)
-    ends, outcome = float(values[TIME, -1, -1]), beyond.track.outcome
+    ends = float(values[TIME, -1, -1])
     if problem.duration is not None and problem.duration <= ends:
         values, ends, outcome = _up_to(values, problem.duration), problem.duration, Outcome.FINISHED
     return Run(
         path=ElementsPath(values=values, release=problem),
-        track=replace(ahead.track, t_end=ends, outcome=outcome),
-        steps=ahead.steps + beyond.steps,
+        track=replace(track, t_end=ends, outcome=outcome),
+        steps=len(ahead.pieces) + len(beyond.pieces),
         evaluations=ahead.evaluations + beyond.evaluations,
     )
 
@@ -252,17 +243,6 @@ def _up_to(values: Floats, time: float) -> Floats:
     return np.concatenate([values[:, :step], last[:, None]], axis=1)
 
 
-def _elements(run: Run) -> ElementsPath:
-    path = run.path
-    if not isinstance(path, ElementsPath):
-        raise TypeError("only a march has elements")
-    return path
-
-
-def _values(run: Run) -> Floats:
-    return _elements(run).values
-
-
 def _reversed(values: Floats) -> Floats:
     """Return a march with time turned round, about its first instant."""
     back = values[:, ::-1, ::-1].copy()
@@ -277,35 +257,37 @@ def _reversed(values: Floats) -> Floats:
     return np.asarray(back)
 
 
-def _until_horizon(problem: Problem, path: MirroredPath, runs: tuple[Run, ...]) -> Run:
-    """List the extrema up to the horizon."""
-    rising = bool(path.edges.phi[1] > path.edges.phi[0])
+def _until_horizon(half: ElementsPath, edges: States, marches: Sequence[March]) -> Run:
+    """Return the motion up to the horizon of which the half from edge to edge is known."""
+    problem = half.release
+    start, end = float(half.values[TIME, 0, 0]), float(half.values[TIME, -1, -1])
+    rising = bool(edges.phi[1] > edges.phi[0])
     # a falling release counts as the maximum that opens the first bounce
-    falling = not rising
-    first = 0 if path.start == 0 else 1
+    first = 0 if start == 0 else 1
     if problem.bounces is not None:
         last = 2 * problem.bounces + (1 if rising else 0)
-        t_end = path.time_of(last)
+        t_end = start + last * (end - start)
     else:
         t_end = float(problem.duration or 0.0)
-        last = int(np.ceil((t_end - path.start) / (path.end - path.start))) + 1
+        last = int(np.ceil((t_end - start) / (end - start))) + 1
+    path = MirroredPath(half=half, start=start, end=end, edges=edges, t_end=t_end)
     number = np.arange(first, last + 1)
     times, states = path.extrema(number)
     maximum = (number % 2 == 1) == rising
     inside = times <= t_end
     if not inside.all():
         times, states, maximum = times[inside], select_states(states, inside), maximum[inside]
-    if falling and problem.phi_dot != 0:
+    if not rising and problem.phi_dot != 0:
         times = np.append(0.0, times)
         states = _joined(path.at(np.zeros(1)), states)
         maximum = np.append(True, maximum)
     return Run(
-        path=replace(path, t_end=t_end),
+        path=path,
         track=Extrema(
             outcome=Outcome.FINISHED, t_end=t_end, times=times, extrema=states, maximum=maximum
         ),
-        steps=sum(run.steps for run in runs),
-        evaluations=sum(run.evaluations for run in runs),
+        steps=sum(len(part.pieces) for part in marches),
+        evaluations=sum(part.evaluations for part in marches),
     )
 
 
