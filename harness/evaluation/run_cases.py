@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
+from operator import attrgetter
 
 from harness.core.case import Case
 from harness.core.simulation import Outcome
@@ -49,6 +50,7 @@ def run_cases(
             lost=failed_evaluation,
             cache=None if store is None else evaluation_cache(store),
             listener=ProgressListener(done=lambda _, e, __: on_done(e)) if on_done else None,
+            about=attrgetter("scene"),
         )
     )
 

@@ -10,10 +10,9 @@ A background process serves one thread, such as that of a cluster's worker, and 
 
 import atexit
 import pickle
-import queue
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from concurrent.futures import Executor, Future
 from functools import cache
 from types import TracebackType
@@ -28,8 +27,11 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-_Task: TypeAlias = tuple["Future[Any]", bytes, tuple[str, ...]]
-"""Future of a task; its function and arguments, pickled; names of their modules."""
+_Task: TypeAlias = tuple["Future[Any]", bytes, tuple[str, ...], int]
+"""Future of a task; its function and arguments, pickled; names of their modules; its topic."""
+
+_CHOICE = 64
+"""Tasks that wait, among which a worker finds one about a topic that it has had."""
 
 
 class IsolatedProcessPool(Executor):
@@ -56,10 +58,13 @@ class IsolatedProcessPool(Executor):
         self.on_compiling: Callable[[str], object] = lambda _: None
         """Called with the name of an engine that begins to compile itself, by another thread."""
         self._environment = environment
-        self._tasks: queue.SimpleQueue[_Task | None] = queue.SimpleQueue()
+        self._tasks: list[_Task] = []
+        self._topics: dict[Hashable, int] = {}
+        self._taken: set[int] = set()
         self._running: set[Worker] = set()
         self._threads: list[threading.Thread] = []
         self._lock = threading.Lock()
+        self._changed = threading.Condition(self._lock)
         self._closed = False
         self._stopping = False
 
@@ -68,6 +73,11 @@ class IsolatedProcessPool(Executor):
         """Number of tasks that keep the pool busy: one for each worker, and one that waits."""
         return self.workers + 1
 
+    @property
+    def window_of_topics(self) -> int:
+        """The same of tasks with topics, among which a worker has a choice."""
+        return self.workers + _CHOICE
+
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> "Future[T]":
         """Submit a task; its exception, if any, is in the future.
 
@@ -75,6 +85,17 @@ class IsolatedProcessPool(Executor):
         ------
         RuntimeError
             After `shutdown`.
+        """
+        return self.submit_about(None, fn, *args, **kwargs)
+
+    def submit_about(
+        self, topic: Hashable, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
+    ) -> "Future[T]":
+        """Submit a task as `submit`, to be done where its topic is known.
+
+        What a process has worked out for a task it need not work out for the next: of the tasks
+        that wait a worker takes the first about a topic that it has had, else about one that nobody
+        has had, else the first of all.
         """
         future: Future[T] = Future()
         payload = pickle.dumps((fn, args, kwargs), pickle.HIGHEST_PROTOCOL)
@@ -86,7 +107,9 @@ class IsolatedProcessPool(Executor):
                 thread = threading.Thread(target=self._serve, daemon=True)
                 thread.start()  # raises if the system has no thread left; no task waits then
                 self._threads.append(thread)
-            self._tasks.put((future, payload, _modules(fn, *args)))
+            number = self._topics.setdefault(topic, len(self._topics))
+            self._tasks.append((future, payload, _modules(fn, *args), number))
+            self._changed.notify()
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: FBT001, FBT002 - as in the interface
@@ -94,9 +117,10 @@ class IsolatedProcessPool(Executor):
         with self._lock:
             self._closed = True
             if cancel_futures:
-                self._cancel_waiting()
-            for _ in self._threads:
-                self._tasks.put(None)
+                for future, *_ in self._tasks:
+                    future.cancel()
+                self._tasks.clear()
+            self._changed.notify_all()
         if wait:
             for thread in self._threads:
                 thread.join()
@@ -124,23 +148,30 @@ class IsolatedProcessPool(Executor):
         else:
             self.stop()
 
-    def _cancel_waiting(self) -> None:
-        """Cancel the tasks that no worker has."""
-        while True:
-            try:
-                task = self._tasks.get_nowait()
-            except queue.Empty:
-                return
-            if task is not None:
-                task[0].cancel()
+    def _next(self, had: set[int]) -> _Task | None:
+        """Wait for a task, best about a topic of these, and take it; None after the last."""
+        with self._changed:
+            while not self._tasks and not self._closed:
+                self._changed.wait()
+            if not self._tasks:
+                return None
+            topics = [topic for *_, topic in self._tasks]
+            own = (place for place, topic in enumerate(topics) if topic in had)
+            new = (place for place, topic in enumerate(topics) if topic not in self._taken)
+            task = self._tasks.pop(next(own, next(new, 0)))
+            if task[3] != self._topics.get(None):
+                had.add(task[3])
+                self._taken.add(task[3])
+            return task
 
     def _serve(self) -> None:
         """Give tasks to a worker; a task that kills its worker is followed by a new worker."""
         # a process inherits what is blocked here, until it has seen to its signals itself
         signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
         worker: Worker | None = None
-        while (task := self._tasks.get()) is not None:
-            future, payload, modules = task
+        had: set[int] = set()
+        while (task := self._next(had)) is not None:
+            future, payload, modules, _ = task
             if not future.set_running_or_notify_cancel():
                 continue
             try:

@@ -6,7 +6,7 @@ are pending when the program ends, however it ends.
 
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
@@ -17,6 +17,7 @@ from harness.core.provenance import processor
 from harness.execution.cache import CacheFolder
 from harness.execution.cache_entry import Metadata
 from harness.execution.estimate import Taken, processor_time
+from harness.execution.isolated_pool import IsolatedProcessPool
 from harness.execution.signals import delay_signals
 from harness.execution.worker import Loss, LostTaskError
 
@@ -153,6 +154,7 @@ def run_tasks(
     lost: Callable[[T, LostTaskError], R],
     cache: ResultCache[T, R] | None = None,
     listener: ProgressListener[T, R] | None = None,
+    about: Callable[[T], Hashable] | None = None,
 ) -> list[R]:
     """Return the results of tasks in their order: read if stored, else computed and stored.
 
@@ -169,16 +171,19 @@ def run_tasks(
         Returns the result of a task whose process died or was stopped.
     cache : ResultCache, optional
     listener : ProgressListener, optional
+    about : callable, optional
+        Returns the topic of a task: what a process works out for a task serves it for others about
+        the same, and so they go to the same process where the executor can choose.
 
     Raises
     ------
     Exception
         Raised by `work`; nothing more is begun, and a note says how many results are stored.
     """
-    run = _Run(tasks, work, executor, lost, cache, listener or ProgressListener())
+    run = _Run(tasks, work, executor, lost, cache, listener or ProgressListener(), about)
     try:
         run.find()
-        run_queue(run.left, run.submit, run.take, getattr(executor, "window", len(tasks)), run.read)
+        run_queue(run.left, run.submit, run.take, run.window(), run.read)
     except BaseException as error:  # Ctrl-C too
         error.add_note(run.account())
         raise
@@ -195,6 +200,7 @@ class _Run(Generic[T, R]):
     lost: Callable[[T, LostTaskError], R]
     cache: ResultCache[T, R] | None
     listener: ProgressListener[T, R]
+    about: Callable[[T], Hashable] | None
     results: dict[int, R] = field(default_factory=dict)
     stored: deque[int] = field(default_factory=deque)
     left: deque[int] = field(default_factory=deque)
@@ -214,12 +220,21 @@ class _Run(Generic[T, R]):
         stored = self.safe + len(self.stored)
         return f"{stored} of {len(self.tasks)} are done and kept in '{self.cache.store.folder}'."
 
+    def window(self) -> int:
+        """Return how many tasks the executor may have at a time."""
+        if self.about is not None and isinstance(self.executor, IsolatedProcessPool):
+            return self.executor.window_of_topics
+        return getattr(self.executor, "window", len(self.tasks))
+
     def submit(self, index: int) -> Future[tuple[R, Taken]]:
         """Submit a task."""
+        task, executor = self.tasks[index], self.executor
         if self.cache is not None:
-            self.cache.begun(self.tasks[index])
+            self.cache.begun(task)
         try:
-            return self.executor.submit(timed, self.work, self.tasks[index])
+            if self.about is not None and isinstance(executor, IsolatedProcessPool):
+                return executor.submit_about(self.about(task), timed, self.work, task)
+            return executor.submit(timed, self.work, task)
         except BrokenExecutor as error:
             future: Future[tuple[R, Taken]] = Future()
             future.set_exception(error)

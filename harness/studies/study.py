@@ -8,8 +8,10 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
+from functools import partial
 from hashlib import sha256
 from itertools import count
+from operator import attrgetter
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
 from harness.core.case import Case
@@ -65,6 +67,8 @@ class Work(Generic[Task, Result]):
     group : callable, optional
         Returns the name of the tasks whose efforts are wrong by one factor, such as the runs of an
         engine; all tasks of this kind if left out.
+    about : callable, optional
+        Returns the topic of a task, such as its scene: see `run_tasks`.
     manifest : callable, optional
         Returns the entry of a run in the manifest of a report; no entry if left out.
     """
@@ -78,6 +82,7 @@ class Work(Generic[Task, Result]):
     alone: bool = False
     effort: Callable[[Task], float] = lambda _: 1.0
     group: Callable[[Task], str] = lambda _: ""
+    about: Callable[[Task], Hashable] | None = None
     manifest: Callable[[Task, Result], Mapping[str, Any]] | None = None
 
 
@@ -171,13 +176,7 @@ class ForeseeingStudy(Study, Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StudyGroup:
-    """Several studies that run as one: a job that two of them want is done once.
-
-    Parameters
-    ----------
-    name : str
-    studies : tuple of Study
-    """
+    """Several studies that run as one, under a name: a job that two of them want is done once."""
 
     name: str
     studies: tuple[Study, ...]
@@ -293,17 +292,12 @@ def _done(
     estimate: Estimate,
 ) -> dict[Task, Result]:
     """Return the results of tasks of one kind, in their order."""
-    # the longest first, so that no worker is left with it at the end
     order = sorted(tasks, key=work.effort, reverse=True)
     kept, done = 0, count()
+    progress = partial(StudyProgress, work=work.name, total=len(tasks), estimate=estimate)
 
     def tell(label: str) -> None:
-        now, total = next(done), len(tasks)
-        listen(
-            StudyProgress(
-                work=work.name, label=label, done=now, total=total, kept=kept, estimate=estimate
-            )
-        )
+        listen(progress(label=label, done=next(done), kept=kept))
 
     def begin(stored: int, _: int) -> None:
         nonlocal kept
@@ -321,6 +315,7 @@ def _done(
         lost=work.lost,
         cache=None if cache is None or work.cache is None else work.cache(cache),
         listener=ProgressListener(kept=begin, done=finish),
+        about=work.about,
     )
     results = dict(zip(order, computed, strict=True))
     return {task: results[task] for task in tasks}
@@ -376,6 +371,7 @@ EVALUATION: Work[Case, Evaluation] = Work(
     check=check_case,
     effort=expected_seconds,
     group=engine_group,
+    about=attrgetter("scene"),
     manifest=lambda _, evaluation: case_record(evaluation.simulation),
 )
 """Run a case and hold it against the exact motion."""

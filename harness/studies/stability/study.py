@@ -9,6 +9,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Any
 
 from harness.core.case import Case
@@ -71,6 +72,7 @@ CLASSIFYING: Work[Case, ClassifiedRun] = Work(
     check=check_case,
     effort=expected_seconds,
     group=engine_group,
+    about=attrgetter("scene"),
     manifest=lambda _, run: case_record(run.simulation) | {"verdict": run.verdict.value},
 )
 """Run a case and classify it, without its motion, so that thousands of results fit into a cache."""

@@ -76,6 +76,28 @@ def test_processes_are_used_again(pool: IsolatedProcessPool) -> None:
     assert os.getpid() not in first
 
 
+def test_a_process_takes_what_it_knows_then_what_nobody_does(tmp_path: Path) -> None:
+    told, gates = tmp_path / "told", {name: tmp_path / name for name in "ab"}
+    with IsolatedProcessPool(2, _LIMITS) as executor:
+        held = {}
+        for topic, gate in gates.items():
+            first = executor.submit_about(topic, tasks.wait_and_tell, gate, told, topic)
+            while not first.running():
+                time.sleep(0.01)
+            held[topic] = first
+        left = [
+            executor.submit_about(None if topic == "-" else topic, tasks.tell, told, topic + number)
+            for topic, number in ("b1", "c1", "-1", "a1", "c2", "a2", "d1", "b2", "-2")
+        ]
+        gates["a"].touch()
+        for future in left:
+            future.result()
+        assert not held["b"].done()
+        gates["b"].touch()
+    order = told.read_text(encoding="ascii").split()
+    assert order == ["a", "a1", "a2", "c1", "c2", "-1", "d1", "-2", "b1", "b2", "b"]
+
+
 def test_errors_come_back_as_what_they_are(pool: IsolatedProcessPool) -> None:
     with pytest.raises(ZeroDivisionError, match="on purpose") as caught:
         pool.submit(tasks.fail).result()

@@ -55,6 +55,18 @@ def say_and_hang(told: str) -> None:
     hang()
 
 
+def wait_and_tell(gate: Path, told: Path, name: str) -> None:
+    """Wait until a file is there, then write a name."""
+    while not gate.exists():
+        time.sleep(0.01)
+    tell(told, name)
+
+
+def tell(told: Path, name: str) -> None:
+    with told.open("a", encoding="ascii") as file:
+        file.write(f"{name} ")
+
+
 def devour() -> None:
     blocks = []
     while time is not None:
