@@ -75,7 +75,7 @@ class IsolatedProcessPool(Executor):
 
     @property
     def window_of_topics(self) -> int:
-        """The same of tasks with topics, among which a worker has a choice."""
+        """The same where tasks have topics: more of them wait, so that a worker can choose."""
         return self.workers + _CHOICE
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> "Future[T]":
@@ -91,11 +91,11 @@ class IsolatedProcessPool(Executor):
     def submit_about(
         self, topic: Hashable, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
     ) -> "Future[T]":
-        """Submit a task as `submit`, to be done where its topic is known.
+        """Submit a task as `submit`, best done where a task about the same topic was.
 
         What a process has worked out for a task it need not work out for the next: of the tasks
         that wait a worker takes the first about a topic that it has had, else about one that nobody
-        has had, else the first of all.
+        has had, else the first of all. None is no topic, and nobody has had it.
         """
         future: Future[T] = Future()
         payload = pickle.dumps((fn, args, kwargs), pickle.HIGHEST_PROTOCOL)
@@ -181,6 +181,7 @@ class IsolatedProcessPool(Executor):
                 future.set_exception(error)
                 self._ended(worker)
                 worker = None
+                had.clear()  # a new process has worked out nothing
                 continue
             _settle(future, answer)
         self._ended(worker)

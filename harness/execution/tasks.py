@@ -1,7 +1,7 @@
 """Run tasks on any executor: results are stored as they come, and those stored before are read.
 
-Stored results are read while tasks run. Few more tasks are submitted than run at once, so that few
-are pending when the program ends, however it ends.
+Stored results are read while tasks run. A few more tasks are submitted than run at once, or some
+dozens among which a worker can choose; no more are pending when the program ends, however it ends.
 """
 
 import time

@@ -62,8 +62,8 @@ class Work(Generic[Task, Result]):
     alone : bool
         Nothing else may run on this machine meanwhile, for times are measured.
     effort : callable, optional
-        Returns how much work a task is, in seconds of processor on a usual machine: the longest
-        begins first, and their sum is the estimate. All tasks count alike if left out.
+        Returns how much work a task is, in seconds of processor on a usual machine: the longest (of
+        a topic) begins first, and their sum is the estimate. All tasks count alike if left out.
     group : callable, optional
         Returns the name of the tasks whose efforts are wrong by one factor, such as the runs of an
         engine; all tasks of this kind if left out.

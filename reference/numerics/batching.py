@@ -10,7 +10,7 @@ import numpy as np
 
 from reference.problem.states import Floats, States
 
-# Some thirty terms of ten quantities at so many instants are five megabytes.
+# Three terms of ten quantities at so many instants are half a megabyte.
 BLOCK = 2048
 
 

@@ -22,7 +22,7 @@ from reference.problem.validation import (
 LEAST = 1e-150
 """Least phi, and the reciprocal of the largest rate: beyond them squares leave the doubles."""
 
-_NUTATION, _RATE = f"inside [{LEAST:g}, pi/2)", f"below {1 / LEAST:g}"
+_ALLOWED_PHI, _ALLOWED_RATE = f"inside [{LEAST:g}, pi/2)", f"below {1 / LEAST:g}"
 
 
 class ProblemError(RefusedError):
@@ -87,10 +87,10 @@ class Problem:
         numbers = ("phi", "psi", "theta", "phi_dot", "psi_dot", "theta_dot")
         require_numbers(ProblemError, {name: getattr(self, name) for name in numbers}, FINITE)
         inside = LEAST <= self.phi < math.pi / 2
-        require(ProblemError, "phi", self.phi, _NUTATION, when=inside)
+        require(ProblemError, "phi", self.phi, _ALLOWED_PHI, when=inside)
         for name in ("phi_dot", "psi_dot", "theta_dot"):
             rate = getattr(self, name)
-            require(ProblemError, name, rate, _RATE, when=abs(rate) < 1 / LEAST)
+            require(ProblemError, name, rate, _ALLOWED_RATE, when=abs(rate) < 1 / LEAST)
         require_vector(ProblemError, "slip", self.slip, 2)
         fits = self.slip == (0.0, 0.0) or self.effects.mu is not None
         require(ProblemError, "slip", self.slip, "(0, 0) without declared friction", when=fits)

@@ -1,9 +1,10 @@
 """Dense output of the marching integrator: a Chebyshev polynomial for each quantity and step."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reference.equations.regularised import sine_of
 from reference.numerics.batching import BLOCK
@@ -147,20 +148,30 @@ class ElementsPath:
         slopes = series[:, TIME : TIME + 1] @ derivative(n).T
         # what round-off leaves of the sum of the series of time
         rounded = EPS * np.abs(series[:, TIME]).sum(axis=1)
-        if times.size <= FEW:
-            terms, slope = series[which].transpose(2, 1, 0), slopes[which, 0].T
-            own = terms[:, TIME], slope, rounded[which], values[TIME, step]
-            return _states(_by_cosines(terms, _instant(_by_cosines, own, times)))
-        # at many places of a step side by side, whose terms are read where they are
+        terms, slopes = series.transpose(2, 1, 0), slopes[:, 0].T
+        of_places = _by_cosines if times.size <= FEW else clenshaw
         found = np.empty((len(values), times.size))
-        for k, of_step in enumerate(used.tolist()):
-            terms, slope = series[k].T[:, :, None], slopes[k].T
-            own = terms[:, TIME], slope, rounded[k], values[TIME, [of_step]]
-            places = np.flatnonzero(which == k)
-            for start in range(0, places.size, BLOCK):
-                here = places[start : start + BLOCK]
-                found[:, here] = clenshaw(terms, _instant(clenshaw, own, times[here]))
+        for here, of in _side_by_side(which, used.size):
+            own = terms[:, TIME, of], slopes[:, of], rounded[of], values[TIME, used[of]]
+            found[:, here] = of_places(terms[:, :, of], _instant(of_places, own, times[here]))
         return _states(found)
+
+
+def _side_by_side(
+    which: NDArray[np.intp], steps: int
+) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+    """Yield places whose series are summed side by side, and the step of each, or of all of them.
+
+    Of many places in one step its terms are read where they are, else copied for each place.
+    """
+    places = [np.arange(which.size)]
+    crowded = which.size > FEW * steps
+    if crowded:
+        places = np.split(np.argsort(which, kind="stable"), np.cumsum(np.bincount(which))[:-1])
+    for group in places:
+        for start in range(0, group.size, BLOCK):
+            here = group[start : start + BLOCK]
+            yield here, which[here[:1] if crowded else here]
 
 
 def _instant(
@@ -183,7 +194,7 @@ def _instant(
     n = node_times.shape[1]
     nodes = points(n)
     place = np.clip((node_times <= times[:, None]).sum(axis=1) - 1, 0, n - 2)
-    rows = np.arange(times.size) if len(node_times) > 1 else 0
+    rows = np.arange(times.size) if len(node_times) == times.size else 0
     low, high = nodes[place], nodes[place + 1]
     t_low, t_high = node_times[rows, place], node_times[rows, place + 1]
     width = np.where(t_high > t_low, t_high - t_low, 1.0)

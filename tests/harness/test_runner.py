@@ -1,6 +1,6 @@
 """The runner: in order, each told once, and wrong use refused before anything runs."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -16,8 +16,14 @@ from harness.core.errors import (
     UnsupportedEffectError,
 )
 from harness.evaluation.run_cases import run_cases
-from harness.execution.isolated_pool import SerialExecutor, local_executor
+from harness.execution.isolated_pool import (
+    IsolatedProcessPool,
+    SerialExecutor,
+    local_executor,
+)
+from harness.studies.study import evaluation_jobs, run_study
 from models import Effects, Horizon, Scene, Slip
+from tests.harness.studies.test_study import Once
 
 if TYPE_CHECKING:
     from harness.evaluation.evaluation import Evaluation
@@ -69,6 +75,23 @@ def test_any_executor_keeps_the_order_and_tells_of_each_once(
         done = run_cases(cases, executor, lambda e: told.append(e.simulation.case.label()))
     assert [e.simulation.case for e in done] == cases
     assert sorted(told) == sorted(case.label() for case in cases)
+
+
+def test_cases_of_a_scene_go_where_it_is_known(cases: list[Case]) -> None:
+    topics = []
+
+    class Told(IsolatedProcessPool):
+        def submit_about(
+            self, topic: Hashable, fn: Callable[..., Any], /, *args: Any, **kwargs: Any
+        ) -> "Future[Any]":
+            topics.append(topic)
+            return super().submit_about(topic, fn, *args, **kwargs)
+
+    jobs = evaluation_jobs(cases[:2])
+    with Told(2) as pool:
+        assert [e.simulation.case for e in run_cases(cases[:2], pool)] == cases[:2]
+        run_study(Once(jobs), executor=pool)
+    assert topics == [case.scene for case in cases[:2]] * 2
 
 
 def test_no_case_is_no_result() -> None:

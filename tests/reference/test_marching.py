@@ -70,6 +70,20 @@ def test_chebyshev_matrices() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("method", ["half-period", "picard-chebyshev"])
+@pytest.mark.parametrize("count", [0, 1, 129, 20_000])
+def test_a_state_is_the_same_whatever_the_others_are(method: str, count: int) -> None:
+    # some instants go by cosines, many of many steps side by side, and many of few step by step
+    solution = solve(paper_release(2), model="rolling", method=method)
+    times = np.random.default_rng(count).uniform(0.0, solution.t_end, count)
+    together = solution.at(times)
+    assert together.psi.shape == (count,)
+    for place in range(0, count, max(count // 40, 1)):
+        alone = solution.at(times[place])
+        assert together.psi[place] == pytest.approx(alone.psi[0], rel=0.0, abs=1e-12)
+        assert together.phi[place] == pytest.approx(alone.phi[0], rel=1e-12)
+
+
 def test_a_thousand_bounces_conserve() -> None:
     """Energy and both first integrals, each relative to its own size."""
     run = integrate(paper_release(1000), locus=False)
