@@ -3,7 +3,7 @@
     KIND/KK/KEY.result    a result with where it comes from and its arrays: `cache_entry`
     drafts/               what is being written; a program that was killed leaves its draft
     aside/                broken entries
-    journal.jsonl         a line when a case is submitted ("begun") and when stored; marks a cache folder
+    journal.jsonl         a line when a case is submitted and when it is stored; marks the folder
 
 Writers need no lock: those of one case write the same, and the last one counts.
 """
