@@ -121,12 +121,11 @@ class CompiledIntegrator(HybridIntegrator):
         With the events of the last step, where these have to be looked at.
         """
         starts, series, taken, extrema = marched
-        times, leans = starts[:, TIME].tolist(), starts[:, LEAN].tolist()
+        times, leans = starts[1:, TIME].tolist(), starts[1:, LEAN].tolist()
         last, seen = len(taken) - 1, 0
-        for number, length in enumerate(taken.tolist()):
-            piece = Segment(
-                start=starts[number], coefficients=series[number], cut=1.0, length=length, mode=mode
-            )
+        steps = zip(starts, series, taken.tolist(), strict=False)  # of a start more
+        for number, (start, polynomial, length) in enumerate(steps):
+            piece = Segment(start=start, coefficients=polynomial, cut=1.0, length=length, mode=mode)
             if met is not None and number == last:
                 self._see(piece, compiled_events(met))
                 return True
@@ -137,7 +136,7 @@ class CompiledIntegrator(HybridIntegrator):
                 seen += 1
             self._y = starts[number + 1]
             if self._counts:
-                self.watch.advance(times[number + 1], phi_of(leans[number + 1]))
+                self.watch.advance(times[number], phi_of(leans[number]))
             if self.watch.ended():
                 return True
         return False

@@ -121,7 +121,8 @@ class HybridIntegrator:
         peaks = None
         if np.count_nonzero(track.maximum) > 1:
             peaks = path.peaks(track.times, np.flatnonzero(track.maximum))
-            track = replace(track, extrema=track.extrema.with_contact(path.at(track.times)))
+            if peaks is None:  # then they are looked for in the forces, those at extrema too
+                track = replace(track, extrema=track.extrema.with_contact(path.at(track.times)))
         return Run(
             path=path,
             peaks=peaks,

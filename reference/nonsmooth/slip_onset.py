@@ -50,6 +50,7 @@ The level part of the angular velocity begins in the same way, under the moment 
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Protocol
 
 import numpy as np
@@ -132,7 +133,7 @@ def _slipping(y: Floats, direction: Floats) -> Floats:
 
 
 RIM = UnilateralHold(
-    freed=lambda mode: replace(mode, slips=True),
+    freed=cache(lambda mode: replace(mode, slips=True)),
     infinitesimal=_slipping,
     acceleration=lambda contact, _: contact.slipping,
     reaction=lambda equations, contact: (contact.force[:2], equations.mu_static * contact.force[2]),
@@ -140,7 +141,7 @@ RIM = UnilateralHold(
 """Friction holds the rim's material where it touches."""
 
 LEAN_OF_CAN = UnilateralHold(
-    freed=lambda mode: replace(mode, rests=False),
+    freed=cache(lambda mode: replace(mode, rests=False)),
     infinitesimal=rolled,
     acceleration=lambda contact, y: to_level(contact.turning, Angles.of(y[LEAN]))[:2],
     reaction=lambda equations, contact: (
@@ -246,6 +247,9 @@ def _yielding(
     return a1 * cos + a2 * sin, a2 * cos - a1 * sin, contact
 
 
+_SHIFT = np.diag(np.ones(3, complex), -1)
+
+
 def roots_on_circle(values: Floats) -> Floats:
     """Return the zeros of a trigonometric polynomial of degree two, increasing.
 
@@ -258,7 +262,7 @@ def roots_on_circle(values: Floats) -> Floats:
     if c2 == 0:
         z = np.roots([c1, c0, np.conj(c1)])
     else:
-        companion = np.diag(np.ones(3, complex), -1)
+        companion = _SHIFT.copy()
         companion[0] = -np.array([c1, c0, np.conj(c1), np.conj(c2)]) / c2
         z = np.linalg.eigvals(companion)
     angles = np.sort(np.angle(z[np.abs(np.abs(z) - 1) < ON_CIRCLE]))
