@@ -10,7 +10,7 @@ import numpy as np
 
 from reference.problem.states import Floats, States
 
-# Three terms of ten quantities at so many instants are half a megabyte.
+# The sums of ten quantities at so many instants are half a megabyte, their terms some more.
 BLOCK = 2048
 
 

@@ -18,6 +18,8 @@ MOST_ROUNDS = 60
 EPS = float(np.finfo(float).eps)
 # Up to so many places at once cosines are cheaper than a recurrence of as many steps as terms.
 FEW = 128
+# From so many places in a step on a recurrence for each step is cheaper than terms for each place.
+MANY = 1024
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -149,11 +151,14 @@ class ElementsPath:
         # what round-off leaves of the sum of the series of time
         rounded = EPS * np.abs(series[:, TIME]).sum(axis=1)
         terms, slopes = series.transpose(2, 1, 0), slopes[:, 0].T
-        of_places = _by_cosines if times.size <= FEW else clenshaw
+        few = times.size <= FEW
+        of_places = _by_cosines if few else clenshaw
         found = np.empty((len(values), times.size))
         for here, of in _side_by_side(which, used.size):
-            own = terms[:, TIME, of], slopes[:, of], rounded[of], values[TIME, used[of]]
-            found[:, here] = of_places(terms[:, :, of], _instant(of_places, own, times[here]))
+            # the recurrence is faster on terms that lie one after the other
+            own_terms = terms[:, :, of] if few else terms.take(of, axis=2)
+            own = own_terms[:, TIME], slopes.take(of, axis=1), rounded[of], values[TIME, used[of]]
+            found[:, here] = of_places(own_terms, _instant(of_places, own, times[here]))
         return _states(found)
 
 
@@ -165,7 +170,7 @@ def _side_by_side(
     Of many places in one step its terms are read where they are, else copied for each place.
     """
     places = [np.arange(which.size)]
-    crowded = which.size > FEW * steps
+    crowded = which.size > MANY * steps
     if crowded:
         places = np.split(np.argsort(which, kind="stable"), np.cumsum(np.bincount(which))[:-1])
     for group in places:

@@ -98,6 +98,20 @@ def test_a_process_takes_what_it_knows_then_what_nobody_does(tmp_path: Path) -> 
     assert order == ["a", "a1", "a2", "c1", "c2", "-1", "d1", "-2", "b1", "b2", "b"]
 
 
+def test_a_new_process_knows_nothing(tmp_path: Path) -> None:
+    told, gate = tmp_path / "told", tmp_path / "gate"
+    with IsolatedProcessPool(1, _LIMITS) as executor:
+        held = executor.submit_about("-", tasks.wait_and_tell, gate, told, "-")
+        while not held.running():
+            time.sleep(0.01)
+        lost = executor.submit_about("a", tasks.be_killed)
+        for name in ("a", "b"):
+            executor.submit_about(name, tasks.tell, told, name)
+        gate.touch()
+        assert loss_of(lost).loss is Loss.STOPPED
+    assert told.read_text(encoding="ascii").split() == ["-", "b", "a"]
+
+
 def test_errors_come_back_as_what_they_are(pool: IsolatedProcessPool) -> None:
     with pytest.raises(ZeroDivisionError, match="on purpose") as caught:
         pool.submit(tasks.fail).result()
