@@ -59,7 +59,7 @@ class IsolatedProcessPool(Executor):
         """Called with the name of an engine that begins to compile itself, by another thread."""
         self._environment = environment
         self._tasks: list[_Task] = []
-        self._topics: dict[Hashable, int] = {}
+        self._topics: dict[Hashable, int] = {None: 0}
         self._taken: set[int] = set()
         self._running: set[Worker] = set()
         self._threads: list[threading.Thread] = []
@@ -159,9 +159,10 @@ class IsolatedProcessPool(Executor):
             own = (place for place, topic in enumerate(topics) if topic in had)
             new = (place for place, topic in enumerate(topics) if topic not in self._taken)
             task = self._tasks.pop(next(own, next(new, 0)))
-            if task[3] != self._topics.get(None):
-                had.add(task[3])
-                self._taken.add(task[3])
+            *_, topic = task
+            if topic:  # but for none
+                had.add(topic)
+                self._taken.add(topic)
             return task
 
     def _serve(self) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from reference.problem.states import Floats, States
 
-# The sums of ten quantities at so many instants are half a megabyte, their terms some more.
+# Some thirty terms of ten quantities at so many instants are five megabytes.
 BLOCK = 2048
 
 

@@ -1,13 +1,12 @@
 """Dense output of the marching integrator: a Chebyshev polynomial for each quantity and step."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reference.equations.regularised import sine_of
-from reference.numerics.batching import BLOCK
+from reference.numerics.batching import in_blocks
 from reference.numerics.chebyshev import clenshaw, derivative, points, to_coefficients, waves
 from reference.problem.problem import Problem
 from reference.problem.states import Floats, States, initial_states, select_states
@@ -18,8 +17,6 @@ MOST_ROUNDS = 60
 EPS = float(np.finfo(float).eps)
 # Up to so many places at once cosines are cheaper than a recurrence of as many steps as terms.
 FEW = 128
-# From so many places in a step on a recurrence for each step is cheaper than terms for each place.
-MANY = 1024
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -141,6 +138,10 @@ class ElementsPath:
         if not self.values.shape[1]:
             there = np.zeros(times.size, dtype=np.intp)
             return select_states(initial_states(self.release), there)
+        return in_blocks(self._block, times)
+
+    def _block(self, times: Floats) -> States:
+        """States at the given times, with the series of all of them side by side."""
         values, n = self.values, self.values.shape[2]
         step = np.clip(np.searchsorted(values[TIME, :, 0], times, side="right") - 1, 0, None)
         used, which = np.unique(step, return_inverse=True)
@@ -149,57 +150,34 @@ class ElementsPath:
         series = values[:, used].transpose(1, 0, 2) @ to_coefficients(n).T
         slopes = series[:, TIME : TIME + 1] @ derivative(n).T
         # what round-off leaves of the sum of the series of time
-        rounded = EPS * np.abs(series[:, TIME]).sum(axis=1)
-        terms, slopes = series.transpose(2, 1, 0), slopes[:, 0].T
-        few = times.size <= FEW
-        of_places = _by_cosines if few else clenshaw
-        found = np.empty((len(values), times.size))
-        for here, of in _side_by_side(which, used.size):
-            # the recurrence is faster on terms that lie one after the other
-            own_terms = terms[:, :, of] if few else terms.take(of, axis=2)
-            own = own_terms[:, TIME], slopes.take(of, axis=1), rounded[of], values[TIME, used[of]]
-            found[:, here] = of_places(own_terms, _instant(of_places, own, times[here]))
-        return _states(found)
-
-
-def _side_by_side(
-    which: NDArray[np.intp], steps: int
-) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp]]]:
-    """Yield places whose series are summed side by side, and the step of each, or of all of them.
-
-    Of many places in one step its terms are read where they are, else copied for each place.
-    """
-    places = [np.arange(which.size)]
-    crowded = which.size > MANY * steps
-    if crowded:
-        places = np.split(np.argsort(which, kind="stable"), np.cumsum(np.bincount(which))[:-1])
-    for group in places:
-        for start in range(0, group.size, BLOCK):
-            here = group[start : start + BLOCK]
-            yield here, which[here[:1] if crowded else here]
+        rounded = EPS * np.abs(series[:, TIME]).sum(axis=1)[which]
+        if times.size > FEW:  # summed term by term, each of them at all places side by side
+            coefficients = series.transpose(2, 1, 0).take(which, axis=2)
+            slope = slopes[:, 0].T.take(which, axis=1)
+        else:
+            coefficients, slope = series[which].transpose(2, 1, 0), slopes[which, 0].T
+        x = _instant(coefficients[:, TIME], slope, rounded, values[TIME, step], times)
+        return _states(_series(coefficients, x))
 
 
 def _instant(
-    series: Callable[[Floats, Floats], Floats],
-    own: tuple[Floats, Floats, Floats, Floats],
-    times: Floats,
+    coefficients: Floats, slope: Floats, rounded: Floats, node_times: Floats, times: Floats
 ) -> Floats:
-    """Solve t(x) = times on [-1, 1], each in its own step, or all in one.
+    """Solve t(x) = times on [-1, 1], each in its own step.
 
     Parameters
     ----------
-    series : callable
-        Returns the values of series at places.
-    own : four ndarrays, shapes (terms, n), (terms, n), (n,) and (n, nodes)
-        Of the step of each time, or of the one that holds all, n = 1: the series of t and of its
-        derivative, what round-off leaves of the sum of the first, and t at the nodes.
+    coefficients, slope : ndarray, shape (terms, n)
+        Series of t and of its derivative.
+    rounded : ndarray, shape (n,)
+        What round-off leaves of the sum of the series of t.
+    node_times : ndarray, shape (n, nodes)
     times : ndarray, shape (n,)
     """
-    coefficients, slope, rounded, node_times = own
     n = node_times.shape[1]
     nodes = points(n)
     place = np.clip((node_times <= times[:, None]).sum(axis=1) - 1, 0, n - 2)
-    rows = np.arange(times.size) if len(node_times) == times.size else 0
+    rows = np.arange(times.size)
     low, high = nodes[place], nodes[place + 1]
     t_low, t_high = node_times[rows, place], node_times[rows, place + 1]
     width = np.where(t_high > t_low, t_high - t_low, 1.0)
@@ -208,7 +186,7 @@ def _instant(
     # what round-off leaves of the time, and of the sum of a series: below it a step means nothing
     noise = np.maximum(np.spacing(times), rounded)
     for _ in range(MOST_ROUNDS):
-        value, gradient = series(both, x)
+        value, gradient = _series(both, x)
         excess = value - times
         low, high = np.where(excess < 0, x, low), np.where(excess > 0, x, high)
         new = x - excess / np.where(gradient > 0, gradient, np.inf)
@@ -221,8 +199,10 @@ def _instant(
     return np.asarray(x)
 
 
-def _by_cosines(coefficients: Floats, x: Floats) -> Floats:
+def _series(coefficients: Floats, x: Floats) -> Floats:
     """Return values of Chebyshev series at n places, coefficients of shape (terms, ..., n)."""
+    if x.size > FEW:
+        return clenshaw(coefficients, x)
     return np.asarray(np.einsum("k...n,kn->...n", coefficients, waves(coefficients.shape[0], x)))
 
 

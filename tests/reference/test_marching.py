@@ -72,7 +72,7 @@ def test_chebyshev_matrices() -> None:
 @pytest.mark.parametrize("method", ["half-period", "picard-chebyshev"])
 @pytest.mark.parametrize("count", [0, 1, 40, 129, 2_100, 20_000])
 def test_a_state_is_the_same_whatever_the_others_are(method: str, count: int) -> None:
-    # some instants go by cosines, many of many steps side by side, and many of few step by step
+    # some instants go by cosines, many by a recurrence, block after block
     solution = solve(paper_release(2), model="rolling", method=method)
     times = np.random.default_rng(count).uniform(0.0, solution.t_end, count)
     together = solution.at(times)

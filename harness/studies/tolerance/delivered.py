@@ -6,6 +6,7 @@ numbers and not for samples of its motion.
 
 import math
 from collections.abc import Mapping
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -163,6 +164,7 @@ DELIVERING: Work[Case, Record] = Work(
     check=check_case,
     effort=expected_seconds,
     group=engine_group,
+    about=attrgetter("scene"),
     manifest=_manifest,
 )
 """Run a case and return the error that it delivers."""
