@@ -8,7 +8,7 @@ from functools import lru_cache
 
 from harness.core.case import Case
 from harness.engines.reference.to_reference_problem import refusal
-from harness.engines.reference.truth import truth
+from harness.engines.reference.truth import exact_end
 from harness.engines.registry import description_of, timestep_of
 from harness.engines.stepping.horizon import longest_time, natural_time
 from harness.evaluation.timing import FEWEST, PATIENCE
@@ -64,4 +64,4 @@ def simulated_seconds(scene: Scene) -> float:
     """Return how long a run simulates, s: to its horizon, or through its exact bounces."""
     if scene.horizon.seconds is not None:
         return scene.horizon.seconds
-    return longest_time(scene) if refusal(scene) else truth(scene).ends
+    return longest_time(scene) if refusal(scene) else exact_end(scene)

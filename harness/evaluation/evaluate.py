@@ -221,7 +221,7 @@ def measure_simulation(simulation: Simulation) -> Evaluation:
     own = truth(scene)
     exact = _until(scene, own, float(own_motion.time[-1]))
     common = own_motion.time <= exact.ends
-    compared = motion(take(trajectory, common), scene)
+    compared = own_motion if common.all() else motion(take(trajectory, common), scene)
     true = motion(exact.at(compared.time), scene)
     dense = sample_truth(exact)
     if simulation.case.profile == RECORDED:  # which may be nearer to the locus than a chord of it

@@ -5,6 +5,7 @@ points that stay are those of Ramer, Douglas and Peucker: every point left out i
 of the line that replaces it, in shares of the panel on its own (linear or logarithmic) axes.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -71,15 +72,23 @@ def bar_base(series: Series) -> Floats:
     return np.zeros(len(series.y)) if series.base is None else limited(series.base)
 
 
-def kept_points(points: Floats, tolerance: float) -> NDArray[np.bool_]:
-    """Return which points stay so that the line through them is off by the tolerance at most.
+Indices = NDArray[np.intp]
 
-    All segments of one generation are split at once, so that a million points take a second.
+
+def kept_points(
+    points: Floats, firsts: Indices, lasts: Indices, tolerance: float
+) -> NDArray[np.bool_]:
+    """Return which points stay so that the lines through them are off by the tolerance at most.
+
+    All segments of one generation are split at once, those of all lines: a million points take a
+    second, a hundred short lines no longer than one.
 
     Parameters
     ----------
     points : ndarray, shape (n, 2)
-        Finite.
+        Finite from the first point of a line to its last.
+    firsts, lasts : ndarray of int, shape (m,)
+        Where each line begins and ends; these points stay.
     tolerance : float
         Largest distance of a point left out from the segment that replaces it.
 
@@ -89,8 +98,8 @@ def kept_points(points: Floats, tolerance: float) -> NDArray[np.bool_]:
     """
     columns = np.ascontiguousarray(points.T)
     stays = np.zeros(len(points), dtype=bool)
-    stays[[0, -1]] = True
-    starts, ends = np.array([0]), np.array([len(points) - 1])
+    stays[firsts] = stays[lasts] = True
+    starts, ends = firsts, lasts
     while True:
         wide = ends - starts > 1  # only these have points between
         starts, ends = starts[wide], ends[wide]
@@ -108,9 +117,6 @@ def kept_points(points: Floats, tolerance: float) -> NDArray[np.bool_]:
         split = index[one_each][far]
         stays[split] = True
         starts, ends = np.concatenate((starts[far], split)), np.concatenate((split, ends[far]))
-
-
-Indices = NDArray[np.intp]
 
 
 def _distance(
@@ -148,30 +154,42 @@ def _panel(panel: Panel, detail: Detail) -> Panel:
     if panel.equal:
         span = np.full(2, span.max())
     span[span == 0.0] = 1.0
+    lines = [i for i, series in enumerate(panel.series) if series.mark == "line" and len(series.x)]
+    if not lines:
+        return panel
+    of_lines = _of_lines([(scaled[i] - low) / span for i in lines], detail)
+    stays = dict(zip(lines, of_lines, strict=True))
     return replace(
         panel,
         series=tuple(
-            series if series.mark != "line" else _chosen(series, (points - low) / span, detail)
-            for series, points in zip(panel.series, scaled, strict=True)
+            _thinned(series, stays[i]) if i in stays else series
+            for i, series in enumerate(panel.series)
         ),
     )
 
 
-def _chosen(series: Series, points: Floats, detail: Detail) -> Series:
-    """Return the series with the points that stay, and its gaps."""
+def _of_lines(lines: Sequence[Floats], detail: Detail) -> list[NDArray[np.bool_]]:
+    """Return for each line which of its points stay; of each gap one does."""
+    points = np.concatenate(lines)
+    lengths = np.array([len(line) for line in lines], dtype=np.intp)
+    line = np.repeat(np.arange(len(lines)), lengths)
     finite = np.isfinite(points[:, 0]) & np.isfinite(points[:, 1])
-    stays = np.zeros(len(points), dtype=bool)
-    edges = np.flatnonzero(np.diff(finite.astype(np.int8))) + 1
-    for run in np.split(np.arange(len(points)), edges):
-        if not run.size:
-            continue
-        if not finite[run[0]]:
-            stays[run[0]] = True  # one NaN breaks the line as well as many
-            continue
-        chosen = run[kept_points(points[run], detail.tolerance)]
-        if len(chosen) > 4 * detail.columns and np.all(np.diff(points[chosen, 0]) >= 0.0):
-            chosen = chosen[_envelope(points[chosen], detail.columns)]
-        stays[chosen] = True
+    firsts = np.flatnonzero(np.append(True, (line[1:] != line[:-1]) | (finite[1:] != finite[:-1])))
+    lasts = np.append(firsts[1:], len(points)) - 1
+    drawn = finite[firsts]
+    stays = kept_points(points, firsts[drawn], lasts[drawn], detail.tolerance)
+    stays[firsts[~drawn]] = True  # one NaN breaks the line as well as many
+    many = np.add.reduceat(stays, firsts, dtype=np.intp) > 4 * detail.columns
+    for first, last in zip(firsts[many], lasts[many], strict=True):
+        chosen = first + np.flatnonzero(stays[first : last + 1])
+        if np.all(np.diff(points[chosen, 0]) >= 0.0):
+            stays[first : last + 1] = False
+            stays[chosen[_envelope(points[chosen], detail.columns)]] = True
+    return np.split(stays, np.cumsum(lengths)[:-1])
+
+
+def _thinned(series: Series, stays: NDArray[np.bool_]) -> Series:
+    """Return the series with the points that stay."""
     if stays.all():
         return series
     return replace(

@@ -1,8 +1,8 @@
 """PyBullet as an engine: open a world of its own, compare, settle, then step and read.
 
-There is no batched stepping: each step is a call, and so is each of the three readings, which
-together cost more than the step. So most steps of a slow motion are taken without a reading;
-`SamplingInterval` says which. A reading is packed into its numbers at once: the tuples in which
+Each of the three readings of a step is a call, and together they cost more than the step. So most
+steps of a slow motion are taken without a reading, in one call; `SamplingInterval` says which. A
+reading is packed into its numbers at once: the tuples in which
 PyBullet returns them, if held, cost the collector of garbage and the memory more than the packing.
 The contacts that a step leaves are paired with the state before it.
 """
@@ -93,8 +93,7 @@ class PybulletSteps:
             return quaternion, spin
 
         def skip(steps: int) -> None:
-            for _ in repeat(None, steps):
-                step(client)
+            world.skip(steps, step)
 
         places, spans = take_stage(stage, self._sampling, read_and_step, skip)
         if len(places) > 0:

@@ -352,6 +352,11 @@ def truth(scene: Scene, seconds: float | None = None) -> Truth:
     return Truth(scene=scene, solution=replace(integrated, agreement=motion.solution.agreement))
 
 
+def exact_end(scene: Scene) -> float:
+    """Return when the exact motion of a scene ends, s, by its model alone: nothing confirms it."""
+    return _by(smallest(problem(scene, None)).model, scene, None).ends
+
+
 def _by(model: str, scene: Scene, seconds: float | None) -> Truth:
     case = Case(scene=scene, engine="reference", options=(("model", model),))
     return solve_case(case, seconds, again=False)

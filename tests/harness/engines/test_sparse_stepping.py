@@ -1,6 +1,7 @@
-"""MuJoCo's steps between looks are the steps that it takes when each is looked at."""
+"""Steps between looks are the steps that an engine takes when each is looked at."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,9 +9,11 @@ import pytest
 from harness.core.case import Case
 from harness.core.simulation import Simulation
 from harness.engines.mujoco import steps as mujoco_steps
+from harness.engines.pybullet import world as pybullet_world
+from harness.engines.pybullet.suppress_output import pybullet
 from harness.engines.registry import engine
 from harness.engines.stepping.physics_engine import schedule_of
-from models import Horizon, Scene, load
+from models import Damping, Horizon, RollingResistance, Scene, load
 from tests.support.engines import stepping_engine
 
 
@@ -52,3 +55,59 @@ def test_coarse_steps_and_shaken_planes_are_looked_at_step_by_step() -> None:
 
 
 SHORT = Horizon(seconds=1e-4)
+
+
+@pytest.mark.parametrize("steps", [2, 3, 5, 7, 12, 31, 32, 100, 1023, 1024, 3000])
+@pytest.mark.parametrize("timestep", [1e-6, 1e-5, 1 / 240, 1e-5 / 3, 2.0**-17])
+def test_steps_of_pybullet_together_are_each_as_long_as_one(steps: int, timestep: float) -> None:
+    count = pybullet_world.steps_together(steps, timestep)
+    assert count == 0 or steps / 2 < count <= steps
+    if count:
+        part = count * timestep / count
+        assert part == timestep
+        assert int(count * timestep / part) == count
+
+
+@pytest.mark.parametrize(
+    ("name", "effects", "settings"),
+    [
+        ("gentle-rock", {}, {}),
+        ("gentle-rock", {}, {"useMaximalCoordinates": True}),
+        ("gentle-rock", {}, {"constraintSolverType": "CONSTRAINT_SOLVER_LCP_DANTZIG"}),
+        ("gentle-rock", {"damping": Damping(linear=0.5, angular=0.3)}, {}),
+        ("gentle-rock", {"rolling_resistance": RollingResistance(length=3e-5)}, {}),
+        ("soft-rock", {}, {}),
+        ("off-centre-mass", {}, {}),
+        ("tilted-plane", {}, {}),
+        ("shaken-plane", {}, {}),
+    ],
+)
+def test_steps_of_pybullet_in_one_call_have_the_bits_of_steps_one_by_one(
+    name: str,
+    effects: dict[str, Any],
+    settings: dict[str, bool | str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = load(name)
+    scene = replace(scene, horizon=Horizon(seconds=0.02), effects=replace(scene.effects, **effects))
+    options = tuple(settings.items())
+    case = Case(scene=scene, engine="pybullet", timestep=7e-6, options=options)
+    found, calls = [], []
+    set_up = pybullet.setPhysicsEngineParameter
+
+    def counted(*numbers: float, **named: Any) -> None:
+        calls.append(numbers)
+        set_up(*numbers, **named)
+
+    monkeypatch.setattr(pybullet, "setPhysicsEngineParameter", counted)
+    for fewest in (2, 10**9):
+        monkeypatch.setattr(pybullet_world, "_FEWEST_TOGETHER", fewest)
+        trajectory = engine("pybullet").simulate(case).trajectory
+        assert trajectory is not None
+        found.append(trajectory)
+        # of a shaken plane each step has a gravity of its own
+        assert any(calls) is (fewest == 2 and name != "shaken-plane")
+        calls.clear()
+    for quantity in ("time", "position", "quaternion", "velocity", "contact_force"):
+        one, other = (getattr(each, quantity) for each in found)
+        np.testing.assert_array_equal(one, other)

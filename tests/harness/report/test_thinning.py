@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from harness.core.report_model import Figure, Panel, Series
 from harness.core.trajectory import Floats
@@ -35,15 +36,43 @@ def distance(points: Floats, line: Floats) -> Floats:
     return np.asarray(np.linalg.norm(points[:, None] - foot, axis=2).min(axis=1))
 
 
-@given(
-    st.lists(st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0)), min_size=2, max_size=60),
-    st.sampled_from([0.0, 1e-3, 0.1]),
-)
+POINTS = st.lists(st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0)), min_size=2, max_size=60)
+
+
+def kept_of_one(points: Floats, tolerance: float) -> NDArray[np.bool_]:
+    return kept_points(points, np.array([0]), np.array([len(points) - 1]), tolerance)
+
+
+@given(st.lists(POINTS, min_size=2, max_size=4), st.sampled_from([0.0, 1e-3, 0.1]))
+def test_lines_beside_each_other_are_thinned_as_each_on_its_own(
+    lines: list[list[tuple[float, float]]], tolerance: float
+) -> None:
+    ends = np.cumsum([len(line) for line in lines])
+    firsts = np.append(0, ends[:-1])
+    together = kept_points(np.concatenate(lines), firsts, ends - 1, tolerance)
+    alone = [kept_of_one(np.array(line), tolerance) for line in lines]
+    assert np.array_equal(together, np.concatenate(alone))
+
+
+def test_each_line_of_a_panel_is_thinned_on_its_own() -> None:
+    x = np.arange(9.0)
+    bent = Series(label="", kind="", x=x, y=np.abs(x - 4.0))
+    marked = replace(bent, mark="points")
+    empty = replace(bent, x=x[:0], y=x[:0])
+    gap = replace(bent, y=np.where(x == 5.0, np.nan, 0.0))
+    figure = one_curve(bent)
+    panel = replace(figure.panels[0], series=(bent, empty, marked, gap, bent))
+    found = simplify(replace(figure, panels=(panel,)), SCREEN).panels[0].series
+    kept = [0.0, 4.0, 8.0]
+    assert [list(series.x) for series in found] == [kept, [], list(x), [0, 4, 5, 6, 8], kept]
+
+
+@given(POINTS, st.sampled_from([0.0, 1e-3, 0.1]))
 def test_what_is_left_out_is_within_the_tolerance(
     points: list[tuple[float, float]], tolerance: float
 ) -> None:
     given_points = np.array(points)
-    stays = kept_points(given_points, tolerance)
+    stays = kept_of_one(given_points, tolerance)
     assert stays[0]
     assert stays[-1]
     # the brute force and the thinning round a few products of numbers of order 1 differently
