@@ -85,7 +85,7 @@ def motion_tangents(
         return by, {}, dict.fromkeys(QUANTITIES, reason)
     try:
         path = _whole_path(problem, solution)
-        reason = without_tangent(problem.effects, path.pieces)
+        reason = without_tangent(path.pieces)
         motion = None if reason else tangent_motion(problem, path)
     except UndecidedError as error:
         reason, motion = str(error), None

@@ -94,7 +94,7 @@ def divergence(problem: Problem, own: Solution | None = None) -> Divergence:
         until = replace(problem, bounces=None, duration=own.t_end)
         path = solve(until, model="general").path
         assert isinstance(path, SegmentsPath)  # noqa: S101 - what the general can is followed on
-    if without_tangent(problem.effects, path.pieces):
+    if without_tangent(path.pieces):
         return _by_copies(problem, own)
     equations = GeneralEquations(parameters=problem.parameters, effects=problem.effects)
     sizes = [max(abs(getattr(problem, name)), LEAST) for name in DISTURBED]

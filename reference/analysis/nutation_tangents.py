@@ -50,7 +50,7 @@ def nutation_tangents(problem: Problem, times: Floats) -> tuple[tuple[str, ...],
         return by, rates, slopes
     for place in np.flatnonzero(solution.covers(times)):
         number, c = path.place(float(times[place]))
-        if without_tangent(problem.effects, motion.pieces[: number + 1]):
+        if without_tangent(motion.pieces[: number + 1]):
             break
         try:
             d, f = motion.disturbances(number, c, turns=False), motion.rates(number, c)

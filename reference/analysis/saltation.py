@@ -40,10 +40,11 @@ from reference.compliant.integrator import FLIGHT
 from reference.equations.contact_laws import Mode
 from reference.equations.frames import length
 from reference.equations.newton_euler import SLIP_1, SLIP_2, GeneralEquations
+from reference.equations.patch_friction import limit_of
 from reference.equations.state_vector import LEAN, SLIP, TURN, U1, U2, W1, W2, W3, Angles
 from reference.nonsmooth.level_spin import level_turning
+from reference.nonsmooth.patch_onset import moving
 from reference.nonsmooth.segments import Segment
-from reference.problem.effects import Effects
 from reference.problem.states import Floats
 
 # A slip that is this small where a piece begins, and goes on, has come to rest and turned.
@@ -66,15 +67,25 @@ Of values of shape (..., n) they have the shape (..., m, n).
 """
 
 
-def jumps(effects: Effects) -> bool:
-    """Return whether the friction of a rim that begins to slip is less than what held it."""
-    return effects.mu_static is not None and effects.mu_static > (effects.mu or 0.0)
+def lets_go(equations: GeneralEquations, before: Mode, after: Mode) -> bool:
+    """Return whether a rim begins to slip by less friction than what held it."""
+    if before.flies or after.flies or before.slips or not after.slips:
+        return False
+    return equations.mu_static > equations.mu
 
 
 def slack(equations: GeneralEquations, y: Floats, mode: Mode) -> Floats:
-    """Return what is left of static friction, mu_static N - |F|, of states real or complex."""
-    force = equations.contact(y, mode).force
-    return np.asarray(equations.mu_static * force[2] - length(force[0], force[1]))
+    """Return what is left of static friction, mu_static N - |F|, of states real or complex.
+
+    Of a patch less the mu N on whose limit surface its force and moment lie.
+    """
+    contact = equations.contact(y, mode)
+    force, radius = contact.force, equations.patch
+    if radius:
+        taken = limit_of(np.array([force[0], force[1], contact.moment[2] / radius]))
+    else:
+        taken = length(force[0], force[1])
+    return np.asarray(equations.mu_static * force[2] - taken)
 
 
 def touching(equations: GeneralEquations, y: Floats, mode: Mode) -> Floats:
@@ -125,8 +136,7 @@ def across(
     last = ends[-1]
     if last.piece.mode.flies or piece.mode.flies:
         return _touched(equations, last, piece, by_constants)
-    if jumps(equations.effects) and piece.mode.slips and not last.piece.mode.slips:
-        # static friction lets go
+    if lets_go(equations, last.piece.mode, piece.mode):
         return _crossed(equations, last, piece, by_constants, margin=slack)
     comes = last.piece.mode.slips and not piece.mode.slips
     left, used = [left_out], [last]
@@ -258,7 +268,7 @@ def _rates_at_start(equations: GeneralEquations, piece: Segment) -> Floats:
     core = core_of(y)
     if mode.flies:
         return np.asarray(equations.rates(y, mode, along=False)[core, 0])
-    begins = mode.slips and not equations.patch and np.hypot(*y[[U1, U2], 0]) <= RESTS
+    begins = mode.slips and np.linalg.norm(moving(equations, y)) <= RESTS
     if equations.resistance and not mode.rests:
         begins = begins or bool(np.hypot(*level_turning(y)[:, 0]) <= RESTS)
     if not begins:

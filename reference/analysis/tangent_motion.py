@@ -15,12 +15,13 @@ import numpy as np
 
 from reference.analysis.linearisation import NUMBER, Quantity, UndecidedError, by_state, core_of
 from reference.analysis.release_tangents import OF_RELEASE, numbers, released_tangents
-from reference.analysis.saltation import RESTS, PieceEnd, delay, touching
+from reference.analysis.saltation import RESTS, PieceEnd, delay, lets_go, slack, touching
 from reference.analysis.stepped_constants import by_varied, equations_of_contact, stepped
 from reference.analysis.unilateral_tangents import UnilateralEquations, with_flights
 from reference.analysis.variational import Stretch, stretches
 from reference.equations.newton_euler import GeneralEquations
-from reference.equations.state_vector import SLIP, TURN, W2
+from reference.equations.state_vector import TURN, W2
+from reference.nonsmooth.patch_onset import moving, rim_of
 from reference.nonsmooth.segments import AHEAD, Segment, SegmentsPath
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
@@ -62,9 +63,11 @@ class TangentMotion:
         """Return the state at a place, (rows, 1), with the direction of a slip that begins."""
         piece = self.pieces[number]
         y = piece.at(np.array([c]))
-        begins = piece.mode.slips and not piece.mode.flies and not self.equations.patch
-        if begins and not y[SLIP].any():
-            y[SLIP] = piece.at(np.array([c + AHEAD]))[SLIP]
+        slips = piece.mode.slips and not piece.mode.flies
+        if slips and np.linalg.norm(moving(self.equations, y)) <= RESTS:
+            ahead = moving(self.equations, piece.at(np.array([c + AHEAD])))
+            way = ahead / np.linalg.norm(ahead)
+            y = rim_of(self.equations).infinitesimal(y, way)
         return y
 
     def rates(self, number: int, c: float) -> Floats:
@@ -89,15 +92,20 @@ class TangentMotion:
         return np.asarray(d - np.outer(f, late))
 
     def switches(self, number: int) -> bool:
-        """Return whether a touch, an impact or a lift is between a piece and the one before."""
+        """Return whether a touch, an impact or a lift is between a piece and the one before.
+
+        Or the instant at which static friction lets go, where friction jumps.
+        """
         if not 0 < number < len(self.pieces):
             return False
         before, after = self.pieces[number - 1], self.pieces[number]
+        if lets_go(self.equations, before.mode, after.mode):
+            return True
         jump = (after.start - before.end)[[*TURN, -1]] if before.mode.flies else np.zeros(1)
         return before.mode.flies != after.mode.flies or bool(np.abs(jump).max() > RESTS)
 
     def at_switch(self, place: Place) -> Floats:
-        """Return derivatives of the core at the instant of a touch, an impact or a lift.
+        """Return derivatives of the core at the instant of such a switch.
 
         Of the state before it at the end of a piece, and of that after it at the start of one.
         """
@@ -108,7 +116,9 @@ class TangentMotion:
         stretch, cut = self.stretches[before], self.pieces[before].cut
         now, rates = stretch.at(cut), stretch.rates[:, -1]
         end = PieceEnd(self.pieces[before], rates, now, np.zeros(len(self.by)))
-        tau = delay(self.equations, end, touching, partial(by_varied, self.varied, len(self.by)))
+        after = self.pieces[min(before + 1, len(self.pieces) - 1)]
+        margin = slack if lets_go(self.equations, end.piece.mode, after.mode) else touching
+        tau = delay(self.equations, end, margin, partial(by_varied, self.varied, len(self.by)))
         if c == 0.0:
             now, rates = self.stretches[number].at(0.0), self.rates(number, 0.0)
         return np.asarray(now + np.outer(rates, tau))

@@ -23,7 +23,7 @@ import numpy as np
 import scipy
 
 from reference.analysis.linearisation import CORE, NUMBER, core_of, jacobian
-from reference.analysis.saltation import CUTS, ByConstants, PieceEnd, across, endings, held, jumps
+from reference.analysis.saltation import CUTS, ByConstants, PieceEnd, across, endings, held
 from reference.equations.contact_laws import Mode
 from reference.equations.newton_euler import GeneralEquations
 from reference.equations.state_vector import (
@@ -37,12 +37,10 @@ from reference.equations.state_vector import (
 )
 from reference.nonsmooth.radau_iia import basis, coefficients, integrator, points
 from reference.nonsmooth.segments import Segment
-from reference.problem.effects import Effects
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 
 CREEPS = "dry friction along the rim lets the contact point creep"
-LETS_GO = "the patch slips from a static friction above the kinetic: its force jumps"
 DISTURBED = ("phi", "theta", "psi_dot", "theta_dot")
 
 
@@ -95,11 +93,8 @@ class Stretch:
         return np.asarray(np.sqrt((at.S * lean) ** 2 + aside**2 + about**2))
 
 
-def without_tangent(effects: Effects, pieces: tuple[Segment, ...]) -> str:
+def without_tangent(pieces: tuple[Segment, ...]) -> str:
     """Return why disturbances of a motion obey no equations that are here; empty if they do."""
-    slips = any(piece.mode.slips and not piece.mode.flies for piece in pieces)
-    if effects.patch and slips and jumps(effects):
-        return LETS_GO
     return CREEPS if any(piece.mode.creeps for piece in pieces) else ""
 
 

@@ -159,3 +159,19 @@ def motion_against(reaction: Floats) -> Floats:
     )
     way = np.array([slide * way[0], slide * way[1], turn * np.sign(reaction[2])])
     return np.asarray(-limit * way)
+
+
+def limit_of(reaction: Floats) -> Floats:
+    """Return the mu N on whose limit surface a reaction lies, shape (n,); analytic in its parts.
+
+    It is homogeneous, and its gradient along the motion q that the reaction opposes, the normal of
+    the surface: q.(reaction)/q.(point of the surface).
+
+    Parameters
+    ----------
+    reaction : ndarray, shape (3, n)
+        F1, F2 and the moment over a, not all zero; may be complex.
+    """
+    against = motion_against(reaction.real)
+    surface = friction_of_patch(against)
+    return np.asarray((against * reaction).sum(axis=0) / (against * surface).sum(axis=0))

@@ -9,8 +9,6 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from reference import PAPER_CAN, EffectError, Effects, Outcome, Problem, solve
-from reference.analysis.sensitivity import sensitivity
-from reference.analysis.variational import LETS_GO
 from reference.nonsmooth.segments import SegmentsPath
 from reference.problem.can import Parameters
 from reference.solver import SolverError
@@ -135,14 +133,3 @@ def test_what_makes_no_sense_is_refused_by_its_key(key: str, values: dict[str, f
 def test_a_smaller_model_is_refused() -> None:
     with pytest.raises(SolverError, match="general"):
         solve(replace(RELEASE, effects=LAWS["film"]), model="coulomb")
-
-
-GENTLE = Problem(parameters=PAPER_CAN, phi=0.4, psi_dot=0.123, theta_dot=-0.0614, bounces=1)
-
-
-def test_derivatives_that_are_not_there_say_so() -> None:
-    still = -GENTLE.psi_dot / math.cos(GENTLE.phi)
-    lets_go = Effects(mu=0.2, mu_static=0.25, patch=0.01)
-    own = sensitivity(replace(GENTLE, theta_dot=still, effects=lets_go))
-    assert np.isnan(np.concatenate(list(own.derivatives.values()))).all()
-    assert set(own.why.values()) == {LETS_GO}

@@ -214,10 +214,26 @@ HELD = {"theta_dot": -ROCK["psi_dot"] / math.cos(ROCK["phi"])}
             ("phi", "theta_dot", "slip.mu", "slip.patch"),
             1e-9,
         ),
-        # it lets go 2e-9 beyond its limit
-        (Effects(mu=0.25, patch=0.1), HELD, ["stick", "slip"], ("slip.mu", "slip.patch"), 1e-8),
+        # where the patch all but slides the largest friction is measured to 1e-12
+        (Effects(mu=0.25, patch=0.1), HELD, ["stick", "slip"], ("slip.mu", "slip.patch"), 1e-7),
+        # it lets go 2e-9 beyond its limit; the friction jumps, and is largest just before
+        (
+            Effects(mu=0.2, mu_static=0.25, patch=0.1),
+            HELD,
+            ["stick", "slip"],
+            ("a", "h", "slip.mu", "slip.mu_static", "slip.patch"),
+            1e-8,
+        ),
+        # it is largest later
+        (
+            Effects(mu=0.3, mu_static=0.35, patch=0.02),
+            HELD,
+            ["stick", "slip"],
+            ("a", "slip.mu", "slip.mu_static", "slip.patch"),
+            1e-8,
+        ),
     ],
-    ids=["creeps", "comes to rest", "lets go"],
+    ids=["creeps", "comes to rest", "lets go", "lets go with a jump", "jumps, and is faster later"],
 )
 def test_a_patch_of_contact(
     effects: Effects,

@@ -13,6 +13,7 @@ from reference.equations.newton_euler import GeneralEquations
 from reference.equations.patch_friction import (
     force_and_moment,
     friction_of_patch,
+    limit_of,
     motion_against,
 )
 from reference.equations.state_vector import DISSIPATED, SUPPLIED
@@ -143,6 +144,23 @@ def rows_of(found: Solution, times: np.ndarray) -> np.ndarray:
     return np.asarray(found.path.rows(times)[0])
 
 
+@pytest.mark.parametrize(
+    "motion",
+    [(1.0, 0.3, 0.2), (0.1, -0.2, 0.5), (0.3, 0.4, -0.5), (0.0, 0.0, 1.0), (3.0, 4.0, 0.0)],
+)
+def test_the_limit_of_a_reaction_and_its_slopes(motion: tuple[float, float, float]) -> None:
+    """A reaction of the limit surface is homogeneous in mu N, and its normal is the motion."""
+    q = np.array(motion)[:, None]
+    reaction = 0.7 * friction_of_patch(q)
+    assert limit_of(reaction) == pytest.approx([0.7], rel=1e-14)
+    slopes = [limit_of(reaction + 1e-40j * np.eye(3)[:, [k]]).imag[0] / 1e-40 for k in range(3)]
+    step = 1e-6
+    for k in range(3):
+        aside = step * np.eye(3)[:, [k]]
+        difference = (limit_of(reaction + aside) - limit_of(reaction - aside))[0] / (2 * step)
+        assert slopes[k] == pytest.approx(difference, abs=1e-8)
+
+
 @pytest.mark.parametrize("problem", [CREEPS, SLIDES, STOPS])
 def test_energy_is_there_or_lost_and_the_plane_pushes(problem: Problem) -> None:
     found = solve(problem, outputs=LOCUS)
@@ -212,3 +230,15 @@ def test_a_turning_that_is_a_round_off_is_none() -> None:
     found = solve(replace(rock, psi_dot=0.12, theta_dot=-0.12 / math.cos(0.4)))
     assert found.outcome is Outcome.FINISHED
     assert [phase.kind for phase in found.phases] == [Kind.STICK, Kind.SLIP]
+
+
+@pytest.mark.parametrize("patch", [0.01, 0.1])
+def test_friction_goes_on_where_a_patch_begins_to_move(patch: float) -> None:
+    """Soon after, its motion is less than the round-off of its turning, and has a direction."""
+    rock = replace(CREEPS, phi=0.4, effects=Effects(mu=0.25, patch=patch), bounces=1, duration=None)
+    found = solve(replace(rock, psi_dot=0.12, theta_dot=-0.12 / math.cos(0.4)))
+    lets_go = found.phases[1].start
+    force = found.at(lets_go + np.array([-1e-6, 0.0, 1e-12, 1e-9, 1e-7, 1e-6])).force
+    ratio = np.hypot(force[:, 0], force[:, 1]) / force[:, 2]
+    assert ratio == pytest.approx(np.full(6, ratio[0]), rel=1e-5)
+    assert ratio[0] < 0.25
