@@ -268,7 +268,7 @@ def _rates_at_start(equations: GeneralEquations, piece: Segment) -> Floats:
     core = core_of(y)
     if mode.flies:
         return np.asarray(equations.rates(y, mode, along=False)[core, 0])
-    begins = mode.slips and np.linalg.norm(moving(equations, y)) <= RESTS
+    begins = mode.slips and bool(np.linalg.norm(moving(equations, y)) <= RESTS)
     if equations.resistance and not mode.rests:
         begins = begins or bool(np.hypot(*level_turning(y)[:, 0]) <= RESTS)
     if not begins:

@@ -239,6 +239,7 @@ def test_friction_goes_on_where_a_patch_begins_to_move(patch: float) -> None:
     found = solve(replace(rock, psi_dot=0.12, theta_dot=-0.12 / math.cos(0.4)))
     lets_go = found.phases[1].start
     force = found.at(lets_go + np.array([-1e-6, 0.0, 1e-12, 1e-9, 1e-7, 1e-6])).force
+    assert force is not None
     ratio = np.hypot(force[:, 0], force[:, 1]) / force[:, 2]
     assert ratio == pytest.approx(np.full(6, ratio[0]), rel=1e-5)
     assert ratio[0] < 0.25
