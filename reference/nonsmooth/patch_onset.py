@@ -94,7 +94,7 @@ def _of_patch(radius: float) -> UnilateralHold:
         return -motion_against(taken), equations.mu_static * contact.force[2]
 
     return UnilateralHold(
-        freed=lambda mode: replace(mode, slips=True),
+        freed=RIM.freed,
         infinitesimal=infinitesimal,
         acceleration=acceleration,
         reaction=reaction,
