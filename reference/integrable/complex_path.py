@@ -12,16 +12,15 @@ the real line. Turn and rotation are integrals of the same kind. That nothing si
 the path and the real line is seen from the integrals themselves, which must be the same on both.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.special import ellipj, elliprf
 
+from reference.integrable.deep_tangents import is_deep, turn_on_path
 from reference.integrable.elliptic import EllipticSubstitution, squared_sn_cn
 from reference.integrable.quadrature import elliptic_substitution
-from reference.integrable.tangents import TangentWell, tangent_state
+from reference.integrable.tangents import ClockNodes, TangentWell, tangent_state
 from reference.integrable.turning_points import TurningPoints
-from reference.numerics.jets import Jet, Values
+from reference.numerics.jets import Jet, jet_where
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
 
@@ -39,27 +38,9 @@ CLOSE = 0.05
 LEGS = 120
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PathNodes:
-    """Nodes of the clock's time on a path, shape (m, n), complex.
-
-    Attributes
-    ----------
-    phi, below : ndarray
-        Nutation, and its distance below that of the release.
-    rise, gap : ndarray
-        Its distances from phi_min and phi_max.
-    """
-
-    phi: Values
-    rise: Values
-    gap: Values
-    below: Values
-
-
 def nodes_on_path(
     points: TurningPoints, clock: EllipticSubstitution, left: Floats, height: Floats
-) -> PathNodes:
+) -> ClockNodes:
     """Return nodes at u = (1 - left) K + i height, shapes (m, 1) or (m, n).
 
     By the addition theorem of the elliptic functions, each part to its own round-off.
@@ -81,7 +62,7 @@ def nodes_on_path(
     rise = 2 * low * swing * sn2 / denominator
     gap = swing * (clock.high + low) * cn2 / denominator
     nearer = np.abs(rise) < np.abs(gap)
-    return PathNodes(
+    return ClockNodes(
         phi=np.where(nearer, low + rise, clock.high - gap),
         rise=rise,
         gap=gap,
@@ -90,7 +71,7 @@ def nodes_on_path(
 
 
 def rates_on_path(
-    well: TangentWell, clock: EllipticSubstitution, nodes: PathNodes
+    well: TangentWell, clock: EllipticSubstitution, nodes: ClockNodes
 ) -> tuple[Jet, Jet, Jet]:
     """Return the rates of t, psi and psi + theta in the clock's time, shape (m, n)."""
     state = tangent_state(well, nodes.phi, nodes.below)
@@ -130,7 +111,11 @@ def cycle_tangents(
         scale = 2 * clock.quarter / count
         parts = []
         with np.errstate(all="ignore"):  # a path across a singularity shows in the values
-            for rate in rates_on_path(well, clock, nodes):
+            time, precession, rotation = rates_on_path(well, clock, nodes)
+            if (deep := is_deep(clock.low, clock.high)).any():
+                own = turn_on_path(well, nodes, clock.high, time.value)
+                precession = jet_where(np.broadcast_to(deep, nodes.phi.shape), own, precession)
+            for rate in (time, precession, rotation):
                 total = rate.real
                 parts.append(
                     Jet(

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from reference.integrable.complex_path import cycle_tangents, skipped_tangents
 from reference.integrable.cycle import released_potential
+from reference.integrable.deep_tangents import deep_state, is_deep
 from reference.integrable.exact_motion import ExactPath
 from reference.integrable.frobenius import CanConstants, frobenius_series
 from reference.integrable.quadrature import (
@@ -24,6 +25,7 @@ from reference.integrable.quadrature import (
 from reference.integrable.tangents import (
     AT,
     BY,
+    ClockNodes,
     TangentState,
     TangentWell,
     force_ratio,
@@ -32,7 +34,7 @@ from reference.integrable.tangents import (
     tangent_well,
 )
 from reference.integrable.turning_points import OUTCOMES, TurningPoints, turning_points
-from reference.numerics.jets import Jet
+from reference.numerics.jets import Jet, jet_where
 from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
@@ -82,14 +84,14 @@ def peak_tangent(
     clock = elliptic_substitution(points)
     columns = np.arange(points.low.size)
 
-    def at(fraction: Floats) -> tuple[TangentState, Jet]:
+    def at(fraction: Floats) -> tuple[TangentState, ClockNodes]:
         phi, rise, gap = clock.nutation(fraction)
         below = np.where(rise < gap, points.fall - rise, gap - points.climb)
-        state = tangent_state(well, phi, below)
-        return state, quantity(state)
+        nodes = ClockNodes(phi=phi, rise=rise, gap=gap, below=below)
+        return tangent_state(well, phi, below), nodes
 
     grid = np.broadcast_to(np.linspace(0.0, 1.0, SAMPLES)[:, None], (SAMPLES, columns.size))
-    size = np.abs(at(grid)[1].value)
+    size = np.abs(quantity(at(grid)[0]).value)
     best = size.argmax(axis=0)
     padded = np.pad(size, ((1, 1), (0, 0)), constant_values=-1.0)
     apart = np.abs(np.arange(SAMPLES)[:, None] - best) > 1
@@ -98,16 +100,21 @@ def peak_tangent(
     for _ in range(ROUNDS):
         finer = low + (high - low) * np.linspace(0.0, 1.0, NARROWER)[:, None]
         finer[-1] = high
-        seen = at(finer)[1]
+        seen = quantity(at(finer)[0])
         # towards the peak the magnitude rises
         rising = np.sign(seen.value) * seen.slope[..., AT] > 0
         last = np.where(rising.any(axis=0), NARROWER - 1 - rising[::-1].argmax(axis=0), -1)
         low = finer[np.maximum(last, 0), columns]
         high = finer[np.minimum(last + 1, NARROWER - 1), columns]
-    state, seen = at(np.stack([low, high]))
+    state, nodes = at(np.stack([low, high]))
+    g, seen = state.g, quantity(state)
+    deep = np.broadcast_to(is_deep(clock.low, clock.high), nodes.phi.shape)
+    if deep.any():
+        own = deep_state(well, nodes, clock.high)
+        g, seen = jet_where(deep, own.g, g), jet_where(deep, quantity(own), seen)
     pick = np.abs(seen.value).argmax(axis=0)
     value, slope = seen.value[pick, columns], seen.slope[pick, columns]
-    force = state.g.slope[pick, columns]
+    force = g.slope[pick, columns]
     moved = -force[:, :AT] / np.where(force[:, AT:] == 0, np.nan, force[:, AT:])
     edge = (low == 0.0) | (high == 1.0)
     by = slope[:, :AT] + np.where(edge[:, None], slope[:, AT:] * moved, 0.0)

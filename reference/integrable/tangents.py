@@ -43,8 +43,10 @@ class TangentWell:
         Nutation r of the release, and phi* - r.
     b, spin, excess : Jet
         b, s and g there.
-    B : Jet
-        First integral.
+    B, K : Jet
+        First integrals: of the parts of b with a logarithm, and without.
+    series : Jet, shape (terms, 4, n)
+        b1, s1, b2 and s2.
     polynomials : Jet, shape (terms, 5, n)
         b1, s1, the divided differences of b and s at r, and the part of b without a logarithm.
     poised : bool
@@ -60,6 +62,8 @@ class TangentWell:
     spin: Jet
     excess: Jet
     B: Jet
+    K: Jet
+    series: Jet
     polynomials: Jet
     poised: bool
 
@@ -75,11 +79,29 @@ class TangentWell:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ClockNodes:
+    """Nutations at nodes of the clock's time, shape (m, n), real or complex.
+
+    Attributes
+    ----------
+    phi, below : ndarray
+        Nutation, and its distance below that of the release.
+    rise, gap : ndarray
+        Its distances from phi_min and phi_max.
+    """
+
+    phi: Values
+    rise: Values
+    gap: Values
+    below: Values
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class TangentState:
-    """Jets at nutations of shape (m, n): the nutation, b, the spin, its sine and cosine, and g."""
+    """Jets at nutations of shape (m, n): the nutation, q = b/sin(phi), the spin, S, C and g."""
 
     phi: Jet
-    b: Jet
+    q: Jet
     spin: Jet
     sine: Jet
     cosine: Jet
@@ -88,7 +110,7 @@ class TangentState:
     @property
     def psi_dot(self) -> Jet:
         """Return the precession rate."""
-        return self.b / (self.sine * self.sine)
+        return self.q / self.sine
 
 
 def seeds(**numbers: Floats) -> dict[str, Jet]:
@@ -156,13 +178,15 @@ def tangent_well(numbers: dict[str, Jet]) -> TangentWell:
         spin=spin,
         excess=inertia * numbers["phi_dot"] * numbers["phi_dot"] * 0.5,
         B=B,
+        K=K,
+        series=series,
         polynomials=Jet(
             np.stack(np.broadcast_arrays(*(each.value for each in stack)), axis=1),
             np.stack(np.broadcast_arrays(*(each.slope for each in stack)), axis=1),
         ),
         poised=False,
     )
-    force = kinetic_force(well, b, spin, r) - jet_sqrt(1.0 + h * h) * jet_sin(short)
+    force = _kinetic_force(well, b, spin, r) - jet_sqrt(1.0 + h * h) * jet_sin(short)
     size = spin.value**2 + (b.value / sine.value) ** 2
     return replace(well, poised=bool((np.abs(force.value) < POISED * size).any()))
 
@@ -218,8 +242,8 @@ def _log1p(z: Values) -> Values:
     return np.asarray(np.log1p(x * (2 + x) + y * y) / 2 + 1j * np.arctan2(y, 1 + x))
 
 
-def _beside(well: TangentWell, phi: Jet, below: Jet) -> tuple[Jet, Jet, list[Jet]]:
-    """Return the differences of b and of the spin from those at the reference, and the parts."""
+def logarithm(well: TangentWell, phi: Jet, below: Jet) -> Jet:
+    """Return the logarithm of nutations over those of the releases, from where it is known best."""
     share = below.value / well.reference.value
     deep = np.abs(share) > NEARLY_ALL
     log = np.where(
@@ -227,14 +251,19 @@ def _beside(well: TangentWell, phi: Jet, below: Jet) -> tuple[Jet, Jet, list[Jet
         np.log(phi.value / well.reference.value),
         _log1p(-np.where(deep, 0.0, share)),
     )
-    # the logarithm of phi/r, from where it is known best
     by = phi.slope / phi.value[..., None] - (well.reference.slope / well.reference.value[..., None])
-    logarithm = Jet(log, by) * well.B * well.residue
+    return Jet(log, by)
+
+
+def _beside(well: TangentWell, phi: Jet, below: Jet) -> tuple[Jet, Jet, list[Jet]]:
+    """Return the differences of b and of the spin from those at the reference, and the parts."""
+    deep = np.abs(below.value / well.reference.value) > NEARLY_ALL
+    log = logarithm(well, phi, below) * well.B * well.residue
     stack = polynomial(well.polynomials, phi)
     b1, s1, quotient_b, quotient_s, part_b = (stack[place] for place in range(5))
-    db = logarithm * b1 - below * quotient_b
-    db = jet_where(deep, logarithm * b1 + part_b - well.b, db)
-    return db, logarithm * s1 - below * quotient_s, [logarithm * b1, part_b]
+    db = log * b1 - below * quotient_b
+    db = jet_where(deep, log * b1 + part_b - well.b, db)
+    return db, log * s1 - below * quotient_s, [log * b1, part_b]
 
 
 def tangent_state(well: TangentWell, phi: Values, below: Values) -> TangentState:
@@ -269,7 +298,7 @@ def tangent_state(well: TangentWell, phi: Values, below: Values) -> TangentState
         kinetic = jet_where(near, _by_mean_force(well, gap), kinetic)
     lean = 2.0 * half * jet_sqrt(1.0 + well.h * well.h) * jet_sin(well.short + gap * 0.5)
     g = well.excess + lean - kinetic
-    return TangentState(phi=at, b=b, spin=spin, sine=S, cosine=C, g=g)
+    return TangentState(phi=at, q=q_r + dq, spin=spin, sine=S, cosine=C, g=g)
 
 
 def _by_mean_force(well: TangentWell, below: Jet) -> Jet:
@@ -279,34 +308,43 @@ def _by_mean_force(well: TangentWell, below: Jet) -> Jet:
         down = below * node
         place = well.reference - down
         db, ds, _ = _beside(well, place, down)
-        total = total + kinetic_force(well, well.b + db, well.spin + ds, place) * weight
+        total = total + _kinetic_force(well, well.b + db, well.spin + ds, place) * weight
     return total * below
 
 
-def kinetic_force(well: TangentWell, b: Jet, spin: Jet, phi: Jet) -> Jet:
+def kinetic_energy(well: TangentWell, q: Jet, w: Jet) -> Jet:
+    """Return the kinetic energy of turning about the contact, of b/sin(phi) and s - b/(1 + C)."""
+    v = w - well.h * q
+    return 0.5 * (well.a * q * q + well.c * w * w + v * v)
+
+
+def _kinetic_force(well: TangentWell, b: Jet, spin: Jet, phi: Jet) -> Jet:
     """Return the part of dg/dphi that is not gravity."""
-    S, C = jet_sin(phi), jet_cos(phi)
-    T, q = S / (1.0 + C), b / S
-    a_p, c_p = well.a + well.h * well.h, well.c + 1.0
-    square = a_p * C + c_p * T * S + well.h * T * (1.0 + 2.0 * C)
-    return q * (q * square - (c_p * S + well.h * C) * spin) / S
+    S = jet_sin(phi)
+    return _force_times_sine(well, b / S, spin, S, jet_cos(phi)) / S
+
+
+def _force_times_sine(well: TangentWell, q: Jet, spin: Jet, S: Jet, C: Jet) -> Jet:
+    """Return that part times sin(phi)."""
+    T, h = S / (1.0 + C), well.h
+    a_p, c_p = well.a + h * h, well.c + 1.0
+    square = a_p * C + c_p * T * S + h * T * (1.0 + 2.0 * C)
+    return q * (q * square - (c_p * S + h * C) * spin)
 
 
 def force_ratio(well: TangentWell, state: TangentState) -> Jet:
     """Return |F|/N of rolling, with phi'^2 from g (`reference.equations.reaction_force`).
 
-    No number where N is not positive.
+    From both times sin(phi), which are not large where phi is small. No number where N is not
+    positive.
     """
-    S, C, h = state.sine, state.cosine, well.h
-    Psi, s = state.psi_dot, state.spin
-    force = kinetic_force(well, state.b, s, state.phi) + h * S - C
-    phi_ddot, squared = force / well.inertia, 2.0 * state.g / well.inertia
-    half = jet_sin(state.phi * 0.5)
-    one_minus_C = 2.0 * half * half
-    F_x = -(S + h * C) * phi_ddot - (C - h * S) * squared
-    F_x = F_x - Psi * (s - Psi * (one_minus_C + h * S))
+    S, C, q, s, h = state.sine, state.cosine, state.q, state.spin, well.h
+    T = S / (1.0 + C)
+    phi_ddot = (_force_times_sine(well, q, s, S, C) + (h * S - C) * S) / well.inertia
+    squared = 2.0 * state.g / well.inertia
+    F_x = -(S + h * C) * phi_ddot - (C - h * S) * S * squared - q * (s - q * (T + h))
     k = well.c / (well.a + well.c * (well.a + h * h))
-    across = k * (well.a * Psi * S + well.c * h * (s - Psi * one_minus_C))
-    N = 1.0 + (C - h * S) * phi_ddot - (S + h * C) * squared
+    across = k * (well.a * q + well.c * h * (s - q * T)) * S
+    N = S + (C - h * S) * phi_ddot - (S + h * C) * S * squared
     pushes = Jet(np.where(N.value > 0, N.value, np.nan), N.slope)
     return jet_sqrt(F_x * F_x + squared * across * across) / pushes

@@ -13,6 +13,7 @@ from reference import PAPER_CAN, Effects, Mass, Parameters, Problem, solve
 from reference.analysis.bounce_tangents import motion_tangents
 from reference.analysis.sensitivity import sensitivity
 from reference.equations.nonholonomic import nutation_acceleration
+from reference.integrable import deep_tangents
 from reference.integrable.derivatives import PULLED, QUANTITIES, batch_tangents
 from reference.integrable.tangents import BY
 from reference.nonsmooth.segments import SegmentsPath
@@ -46,6 +47,34 @@ def test_golden_derivatives_are_of_many_regimes() -> None:
     assert {np.sign(row["phi_dot"]) for row in GOLDEN} >= {-1.0, 0.0}
     smallest = min(sensitivity(posed(row)).values["phi_min"] for row in GOLDEN)
     assert smallest < 1e-4
+
+
+@pytest.mark.parametrize("psi_dot", [0.12, 0.012, 1.2e-3])
+def test_nutations_that_stay_and_that_go_with_the_first_integral_give_the_same(
+    psi_dot: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rates = {"psi_dot": psi_dot, "theta_dot": -psi_dot / 2}
+    problem = Problem(parameters=PAPER_CAN, phi_dot=-0.01, **(ROCK | rates))
+    found = []
+    for deep in (0.0, 1.0):
+        monkeypatch.setattr(deep_tangents, "DEEP", deep)
+        found.append(sensitivity(problem))
+    stay, go = found
+    for name in QUANTITIES:
+        scale = np.abs(stay.derivatives[name]) + np.abs(stay.values[name])
+        assert (
+            np.abs(stay.derivatives[name] - go.derivatives[name]) <= 1e-12 / psi_dot * scale
+        ).all()
+
+
+def test_derivatives_of_deeper_and_deeper_bounces_go_as_a_logarithm() -> None:
+    """The turn has a limit, which it nears by psi' ln(psi')."""
+    slopes = []
+    for psi_dot in (1e-6, 1e-9, 1e-12, 1e-15):
+        rates = {"psi_dot": psi_dot, "theta_dot": -psi_dot / 2}
+        known = sensitivity(Problem(parameters=PAPER_CAN, **(ROCK | rates)))
+        slopes.append(known.derivatives["angle_of_turn"][known.by.index("psi_dot")])
+    assert np.diff(slopes) == pytest.approx(np.full(3, slopes[1] - slopes[0]), rel=1e-5)
 
 
 @pytest.mark.parametrize("phi_dot", [0.0, -0.05, 0.05])

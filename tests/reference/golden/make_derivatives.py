@@ -43,6 +43,9 @@ RELEASES = [
     ("paper", 0.6, (0.2, 3.0, -1.0)),
     ("paper", 1 - 1e-6, (0.0, 1e-3, 2e-3)),
     ("uniform cylinder", 0.5, (0.0, 1e-3, -9e-4)),
+    # deep bounces
+    ("paper", 0.7, (0.0, 1e-6, -5e-7)),
+    ("uniform cylinder", 0.4, (-0.1, -1e-5, 2e-5)),
 ]
 
 State = list[mp.mpf]
