@@ -7,6 +7,7 @@ of the line that replaces it, in shares of the panel on its own (linear or logar
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +74,8 @@ def bar_base(series: Series) -> Floats:
 
 
 Indices = NDArray[np.intp]
+_AT_ONCE = 100_000
+"""Points, and the line that goes beyond: thinned together they take some tens of megabytes."""
 
 
 def kept_points(
@@ -81,7 +84,7 @@ def kept_points(
     """Return which points stay so that the lines through them are off by the tolerance at most.
 
     All segments of one generation are split at once, those of all lines: a million points take a
-    second, a hundred short lines no longer than one.
+    second, and a hundred short lines little longer than one of them.
 
     Parameters
     ----------
@@ -155,10 +158,12 @@ def _panel(panel: Panel, detail: Detail) -> Panel:
         span = np.full(2, span.max())
     span[span == 0.0] = 1.0
     lines = [i for i, series in enumerate(panel.series) if series.mark == "line" and len(series.x)]
-    if not lines:
-        return panel
-    of_lines = _of_lines([(scaled[i] - low) / span for i in lines], detail)
-    stays = dict(zip(lines, of_lines, strict=True))
+    before = dict(zip(lines, np.cumsum([len(scaled[i]) for i in lines]), strict=True))
+    stays: dict[int, NDArray[np.bool_]] = {}
+    for _, group in groupby(lines, key=lambda i: before[i] // _AT_ONCE):
+        some = list(group)
+        of_lines = _of_lines([(scaled[i] - low) / span for i in some], detail)
+        stays |= zip(some, of_lines, strict=True)
     return replace(
         panel,
         series=tuple(

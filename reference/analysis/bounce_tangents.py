@@ -1,7 +1,8 @@
 """Derivatives of the first bounce of any can, by the variational equations along its motion.
 
 Peaks are maxima along the motion, of which only the derivative at a fixed place is left (envelope
-theorem); one that a touch, an impact or a lift cuts off moves with that instant.
+theorem); one that a touch, an impact, a lift or a static friction that lets go cuts off moves with
+that instant.
 """
 
 from collections.abc import Callable

@@ -9,8 +9,8 @@ another sigma: later by the tau at which what comes to rest, G y, rests in it as
 (the saltation matrix of Aizerman and Gantmakher). A slip ends straight: across its direction
 friction stops it at a rate that goes as one over what is left of it, and P is what that leaves.
 Along its direction friction is the same however small the slip, and l is the left null vector of
-the derivative of its rates. What begins to move does so without a jump of
-f, and the disturbance goes on.
+the derivative of its rates. What begins to move does so without a jump of f, and the disturbance
+goes on, but where a static friction above the kinetic lets go.
 
 What friction holds at the release (a turning about the normal, the level part of the turning) is no
 velocity that a disturbed motion has for long: moments of finite size stop it within a time of the
@@ -21,9 +21,9 @@ size of the disturbance. What is left of a disturbance is
 V the change of the velocities by unit impulses of those moments, with the contact kept: a
 projection in the metric of the mass.
 
-Where a plane that gives way ceases to push, or begins to, f jumps from f- to f+ where a margin g of
-the state and of the constants p is zero; an impact, or what stops a rim that sticks where it lands,
-is a change M of the state and of p:
+Where a plane that gives way ceases to push, or begins to, or where static friction lets go, f jumps
+from f- to f+ where a margin g of the state and of the constants p is zero; an impact, or what stops
+a rim that sticks where it lands, is a change M of the state and of p:
 
     tau = -(g_y d + g_p)/(g_y f-),    d+ = M_y (d + tau f-) + M_p - tau f+.
 """
@@ -40,7 +40,7 @@ from reference.compliant.integrator import FLIGHT
 from reference.equations.contact_laws import Mode
 from reference.equations.frames import length
 from reference.equations.newton_euler import SLIP_1, SLIP_2, GeneralEquations
-from reference.equations.patch_friction import limit_of
+from reference.equations.patch_friction import friction_limit
 from reference.equations.state_vector import LEAN, SLIP, TURN, U1, U2, W1, W2, W3, Angles
 from reference.nonsmooth.level_spin import level_turning
 from reference.nonsmooth.patch_onset import moving
@@ -82,7 +82,7 @@ def slack(equations: GeneralEquations, y: Floats, mode: Mode) -> Floats:
     contact = equations.contact(y, mode)
     force, radius = contact.force, equations.patch
     if radius:
-        taken = limit_of(np.array([force[0], force[1], contact.moment[2] / radius]))
+        taken = friction_limit(np.array([force[0], force[1], contact.moment[2] / radius]))
     else:
         taken = length(force[0], force[1])
     return np.asarray(equations.mu_static * force[2] - taken)

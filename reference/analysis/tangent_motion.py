@@ -21,7 +21,7 @@ from reference.analysis.unilateral_tangents import UnilateralEquations, with_fli
 from reference.analysis.variational import Stretch, stretches
 from reference.equations.newton_euler import GeneralEquations
 from reference.equations.state_vector import TURN, W2
-from reference.nonsmooth.patch_onset import moving, rim_of
+from reference.nonsmooth.patch_onset import begins, moving, rim_of
 from reference.nonsmooth.segments import AHEAD, Segment, SegmentsPath
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
@@ -64,7 +64,8 @@ class TangentMotion:
         piece = self.pieces[number]
         y = piece.at(np.array([c]))
         slips = piece.mode.slips and not piece.mode.flies
-        if slips and np.linalg.norm(moving(self.equations, y)) <= RESTS:
+        rests = begins(self.equations, np.column_stack([piece.start, y])).all()
+        if slips and rests:
             ahead = moving(self.equations, piece.at(np.array([c + AHEAD])))
             way = ahead / np.linalg.norm(ahead)
             y = rim_of(self.equations).infinitesimal(y, way)
@@ -92,9 +93,9 @@ class TangentMotion:
         return np.asarray(d - np.outer(f, late))
 
     def switches(self, number: int) -> bool:
-        """Return whether a touch, an impact or a lift is between a piece and the one before.
+        """Return whether a law, or the state, jumps between a piece and the one before.
 
-        Or the instant at which static friction lets go, where friction jumps.
+        At a touch, an impact or a lift, and where static friction lets go.
         """
         if not 0 < number < len(self.pieces):
             return False

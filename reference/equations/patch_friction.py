@@ -161,11 +161,12 @@ def motion_against(reaction: Floats) -> Floats:
     return np.asarray(-limit * way)
 
 
-def limit_of(reaction: Floats) -> Floats:
-    """Return the mu N on whose limit surface a reaction lies, shape (n,); analytic in its parts.
+def friction_limit(reaction: Floats) -> Floats:
+    """Return the mu N on whose limit surface a reaction lies, shape (n,).
 
-    It is homogeneous, and its gradient along the motion q that the reaction opposes, the normal of
-    the surface: q.(reaction)/q.(point of the surface).
+    It grows in proportion to the reaction, and along the normal of the surface, which is the motion
+    q that the reaction opposes: so it is q.reaction over q.surface. Of complex reactions it has the
+    first derivatives, for q is taken of the real parts.
 
     Parameters
     ----------

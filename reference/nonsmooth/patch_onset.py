@@ -62,6 +62,15 @@ def moving(equations: Equations, y: Floats) -> Floats:
     return np.array([*slip, turn if y.ndim > 1 else turn[0]])
 
 
+def begins(equations: Equations, y: Floats) -> NDArray[np.bool_]:
+    """Return whether what friction opposes rests, shape (n,), of states of shape (13, n).
+
+    A patch rests to round-off of its turning.
+    """
+    least = equations.patch * BESIDE * (1 + np.abs(y[TURN]).max(axis=0))
+    return np.asarray(np.linalg.norm(moving(equations, y), axis=0) <= least)
+
+
 def rim_of(equations: Equations) -> UnilateralHold:
     """Return how friction holds the rim: at a point, or in a patch."""
     return _of_patch(equations.patch) if equations.patch else RIM

@@ -26,8 +26,8 @@ from reference.equations.state_vector import (
     X,
     Y,
 )
-from reference.nonsmooth.level_spin import BESIDE, rolled, stands
-from reference.nonsmooth.patch_onset import moving, rim_of
+from reference.nonsmooth.level_spin import rolled, stands
+from reference.nonsmooth.patch_onset import begins, moving, rim_of
 from reference.nonsmooth.radau_iia import STAGES, basis, basis_at
 from reference.problem.states import Floats, States
 
@@ -301,7 +301,7 @@ class SegmentsPath:
             level = to_level(ahead.T[TURN], Angles.of(y[LEAN, resting]))[:2]
             y = y.copy()
             y[:, resting] = rolled(y[:, resting], level / np.hypot(*level))
-        if mode.slips and self.equations.patch:
+        if self.equations.patch and mode.slips and not mode.flies:
             return self._begun_in_patch(y, number)
         still = np.flatnonzero(np.hypot(y[U1], y[U2]) == 0)
         if not mode.slips or not still.size:
@@ -312,9 +312,9 @@ class SegmentsPath:
         return begun
 
     def _begun_in_patch(self, y: Floats, number: NDArray[np.intp]) -> Floats:
-        """Return states with the direction of a patch whose turning is a round-off."""
-        least = self.equations.patch * BESIDE * (1 + np.abs(y[TURN]).max(axis=0))
-        still = np.flatnonzero(np.linalg.norm(moving(self.equations, y), axis=0) <= least)
+        """Return states with the direction of a patch that begins to move, and hardly does yet."""
+        starts = self._starts[number].T
+        still = np.flatnonzero(begins(self.equations, y) & begins(self.equations, starts))
         ahead = moving(self.equations, self._rows(number[still], np.full(still.size, AHEAD)))
         begun = y.copy()
         begun[:, still] = rim_of(self.equations).infinitesimal(

@@ -9,7 +9,13 @@ from types import SimpleNamespace
 import pytest
 
 from harness.core.case import Case
-from harness.evaluation.effort import expected_seconds, expected_steps, expected_timing
+from harness.engines.reference.truth import truth
+from harness.evaluation.effort import (
+    expected_seconds,
+    expected_steps,
+    expected_timing,
+    simulated_seconds,
+)
 from harness.execution.estimate import (
     FILE,
     Estimate,
@@ -146,6 +152,13 @@ def test_the_effort_of_a_case_follows_its_steps() -> None:
     own_steps = Case(scene=scene, engine="reference")
     assert expected_steps(own_steps) == 0.0
     assert expected_seconds(own_steps) == 0.1
+
+
+@pytest.mark.parametrize("name", ["gentle-rock", "cusps", "slipping-rock", "wobble"])
+def test_a_run_through_bounces_is_as_long_as_the_exact_motion(name: str) -> None:
+    scene = load(name)
+    assert scene.horizon.seconds is None
+    assert simulated_seconds(scene) == truth(scene).ends
 
 
 def test_a_search_foresees_the_rounds_after_the_next() -> None:

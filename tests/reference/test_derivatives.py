@@ -30,16 +30,21 @@ def posed(row: dict[str, Any]) -> Problem:
 
 @pytest.mark.parametrize("row", GOLDEN, ids=lambda row: f"{row['can']} {row['phi']:.3g}")
 def test_differences_in_84_digits(row: dict[str, Any]) -> None:
-    """Every derivative to 1e-10 of itself; one that is nothing beside the others, of those."""
+    """Every derivative to 1e-10 of itself, or for the friction to round-off of the largest one.
+
+    A deep bounce hardly has a friction of its own: by phi it is a millionth of that by the rates.
+    """
     known = sensitivity(posed(row))
     assert known.method == "quadrature"
     for name, slopes in row["derivatives"].items():
         if name in known.why:
             assert known.why[name] == PULLED
             continue
+        most = max(abs(float(digits)) for digits in slopes.values())
+        noise = 1e-14 * most if name == "peak_friction_ratio" else 0.0
         for by, digits in slopes.items():
             slope = known.derivatives[name][known.by.index(by)]
-            assert slope == pytest.approx(float(digits), rel=1e-10, abs=0), (name, by)
+            assert slope == pytest.approx(float(digits), rel=1e-10, abs=noise), (name, by)
 
 
 def test_golden_derivatives_are_of_many_regimes() -> None:
@@ -243,9 +248,9 @@ HELD = {"theta_dot": -ROCK["psi_dot"] / math.cos(ROCK["phi"])}
             ("phi", "theta_dot", "slip.mu", "slip.patch"),
             1e-9,
         ),
-        # where the patch all but slides the largest friction is measured to 1e-12
-        (Effects(mu=0.25, patch=0.1), HELD, ["stick", "slip"], ("slip.mu", "slip.patch"), 1e-7),
-        # it lets go 2e-9 beyond its limit; the friction jumps, and is largest just before
+        # it lets go 2e-9 beyond its limit
+        (Effects(mu=0.25, patch=0.1), HELD, ["stick", "slip"], ("slip.mu", "slip.patch"), 1e-8),
+        # the friction jumps, and is largest just before
         (
             Effects(mu=0.2, mu_static=0.25, patch=0.1),
             HELD,
@@ -273,7 +278,8 @@ def test_a_patch_of_contact(
 ) -> None:
     problem = Problem(parameters=PAPER_CAN, effects=effects, **(ROCK | release))
     assert [phase.kind.value for phase in solve(problem).phases] == phases
-    hold_differences(problem, names, least)
+    # where the patch all but slides the largest friction is measured to 1e-12, for a step of 3e-5
+    hold_differences(problem, names, least, peak=max(least, 1e-7))
 
 
 @pytest.mark.parametrize("static", [0.35, 0.38])
@@ -299,9 +305,15 @@ def test_one_that_only_slips_has_the_derivatives_of_a_lesser_static_friction() -
         assert own == plain.derivatives[name].tolist()
 
 
-def hold_differences(problem: Problem, names: tuple[str, ...], least: float) -> None:
-    """Hold derivatives to a share of what a change of a number by itself does, by differences."""
+def hold_differences(
+    problem: Problem, names: tuple[str, ...], least: float, *, peak: float | None = None
+) -> None:
+    """Hold derivatives to a share of what a change of a number by itself does, by differences.
+
+    And those of the largest friction to one of its own.
+    """
     known = sensitivity(problem)
+    leasts = np.where([name == "peak_friction_ratio" for name in QUANTITIES], peak or least, least)
     assert not known.why
     for name in names:
         # a coefficient of friction along the rim is small itself
@@ -310,7 +322,7 @@ def hold_differences(problem: Problem, names: tuple[str, ...], least: float) -> 
         differences = (8 * (values[2] - values[1]) - (values[3] - values[0])) / (12 * step)
         slopes = [known.derivatives[each][known.by.index(name)] for each in QUANTITIES]
         sizes = np.abs(slopes) + np.abs([known.values[each] for each in QUANTITIES])
-        assert (np.abs(differences - slopes) / sizes).max() < least, name
+        assert (np.abs(differences - slopes) / sizes < leasts).all(), name
 
 
 def path_of(problem: Problem) -> SegmentsPath:

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from reference import PAPER_CAN, EffectError, Effects, Outcome, Problem, Solution, solve
+from reference import PAPER_CAN, Compliance, EffectError, Effects, Outcome, Problem, Solution, solve
 from reference.equations.contact_laws import Kind, Mode
 from reference.equations.newton_euler import GeneralEquations
 from reference.equations.patch_friction import (
     force_and_moment,
+    friction_limit,
     friction_of_patch,
-    limit_of,
     motion_against,
 )
 from reference.equations.state_vector import DISSIPATED, SUPPLIED
@@ -148,16 +148,20 @@ def rows_of(found: Solution, times: np.ndarray) -> np.ndarray:
     "motion",
     [(1.0, 0.3, 0.2), (0.1, -0.2, 0.5), (0.3, 0.4, -0.5), (0.0, 0.0, 1.0), (3.0, 4.0, 0.0)],
 )
-def test_the_limit_of_a_reaction_and_its_slopes(motion: tuple[float, float, float]) -> None:
+def test_the_friction_limit_a_reaction_and_its_slopes(motion: tuple[float, float, float]) -> None:
     """A reaction of the limit surface is homogeneous in mu N, and its normal is the motion."""
     q = np.array(motion)[:, None]
     reaction = 0.7 * friction_of_patch(q)
-    assert limit_of(reaction) == pytest.approx([0.7], rel=1e-14)
-    slopes = [limit_of(reaction + 1e-40j * np.eye(3)[:, [k]]).imag[0] / 1e-40 for k in range(3)]
+    assert friction_limit(reaction) == pytest.approx([0.7], rel=1e-14)
+    slopes = [
+        friction_limit(reaction + 1e-40j * np.eye(3)[:, [k]]).imag[0] / 1e-40 for k in range(3)
+    ]
     step = 1e-6
     for k in range(3):
         aside = step * np.eye(3)[:, [k]]
-        difference = (limit_of(reaction + aside) - limit_of(reaction - aside))[0] / (2 * step)
+        difference = (friction_limit(reaction + aside) - friction_limit(reaction - aside))[0] / (
+            2 * step
+        )
         assert slopes[k] == pytest.approx(difference, abs=1e-8)
 
 
@@ -243,3 +247,13 @@ def test_friction_goes_on_where_a_patch_begins_to_move(patch: float) -> None:
     ratio = np.hypot(force[:, 0], force[:, 1]) / force[:, 2]
     assert ratio == pytest.approx(np.full(6, ratio[0]), rel=1e-5)
     assert ratio[0] < 0.25
+
+
+def test_a_patch_that_is_dropped_without_moving_has_states_in_the_air() -> None:
+    law = Compliance(stiffness=1e3, damping=20.0)
+    effects = Effects(mu=0.3, patch=0.02, compliance=law)
+    dropped = Problem(parameters=PAPER_CAN, phi=0.3, height=0.05, duration=0.2, effects=effects)
+    found = solve(dropped, outputs=LOCUS).at(np.linspace(0.0, 0.2, 5))
+    assert found.force is not None
+    assert not found.force.any()
+    assert found.phi == pytest.approx(np.full(5, 0.3))

@@ -167,15 +167,16 @@ _UNCHANGED = (-1, -1, -2, *[-1] * 19)
 
 @lru_cache(maxsize=4096)
 def steps_together(steps: int, timestep: float) -> int:
-    """Return how many of the steps can be the parts of one and stay the same to the last bit.
+    """Return how many of two or more steps can be the parts of one, the same to the last bit.
 
-    PyBullet divides the long step by their number, and then the long step by what it got.
+    PyBullet divides the long step by their number to get the length of a part, and by that length
+    to get their number again; a power of two always stays what it is.
     """
-    for count in range(steps, 1, -1):
-        whole = count * timestep
-        if whole / count == timestep and int(whole / timestep) == count:
-            return count
-    return 0
+    return next(
+        count
+        for count in range(steps, 1, -1)
+        if count * timestep / count == timestep and int(count * timestep / timestep) == count
+    )
 
 
 class PybulletWorld:
@@ -206,7 +207,8 @@ class PybulletWorld:
             with silence():
                 number = getattr(pybullet, str(algorithm))
                 pybullet.setPhysicsEngineParameter(constraintSolverType=number, **here)
-        self.parts = max(int(chosen["numSubSteps"]), 1)  # type: ignore[arg-type]
+        self._sub_steps = int(chosen["numSubSteps"])  # type: ignore[arg-type]
+        self.parts = max(self._sub_steps, 1)
         flags = sum(getattr(pybullet, name) for name in urdf_flags(chosen))
         with tempfile.TemporaryDirectory() as folder:
             path, mesh = Path(folder), chosen[MESH_SETTING.name]
@@ -328,10 +330,11 @@ class PybulletWorld:
         together = 0
         if steps >= _FEWEST_TOGETHER and self.parts == 1 and not self._shaken:
             together = steps_together(steps, self._timestep)
-        if together > 0:
             self._step_by(together * self._timestep, together)
-            step(self.client)
-            self._step_by(self._timestep, 0)
+            try:
+                step(self.client)
+            finally:
+                self._step_by(self._timestep, self._sub_steps)
         for _ in repeat(None, steps - together):
             step(self.client)
 

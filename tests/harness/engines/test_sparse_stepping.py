@@ -61,11 +61,10 @@ SHORT = Horizon(seconds=1e-4)
 @pytest.mark.parametrize("timestep", [1e-6, 1e-5, 1 / 240, 1e-5 / 3, 2.0**-17])
 def test_steps_of_pybullet_together_are_each_as_long_as_one(steps: int, timestep: float) -> None:
     count = pybullet_world.steps_together(steps, timestep)
-    assert count == 0 or steps / 2 < count <= steps
-    if count:
-        part = count * timestep / count
-        assert part == timestep
-        assert int(count * timestep / part) == count
+    assert steps / 2 < count <= steps
+    part = count * timestep / count
+    assert part == timestep
+    assert int(count * timestep / part) == count
 
 
 @pytest.mark.parametrize(
