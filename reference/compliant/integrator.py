@@ -37,7 +37,14 @@ from reference.nonsmooth.level_spin import stands
 from reference.nonsmooth.patch_onset import moving
 from reference.nonsmooth.segments import Segment, SegmentsPath
 from reference.nonsmooth.stopping import LANDING, STOPPED
-from reference.nonsmooth.transitions import ModeTransition, begin, begin_on_rim, running, turning
+from reference.nonsmooth.transitions import (
+    ModeTransition,
+    begin,
+    begin_on_rim,
+    running,
+    slips_or_rests,
+    turning,
+)
 from reference.problem.effects import LINEAR
 from reference.problem.outcome import Outcome
 from reference.problem.problem import Problem
@@ -192,8 +199,8 @@ class CompliantIntegrator(HybridIntegrator):
         if load <= 0:
             return y, ModeTransition(mode=FLIGHT)
         y[:RIGID_ROWS], y[DEPTH] = start, law.law.depth_under(load)
-        slips = bool(moving(law, y).any())
-        mode = Mode(slips=slips, rests=now.mode.rests and now.roll is None)
+        y, mode = slips_or_rests(law, y)
+        mode = replace(mode, rests=now.mode.rests and now.roll is None)
         return y, begin(law, y, self._rests(y, mode))
 
     def _rests(self, y: Floats, mode: Mode) -> Mode:

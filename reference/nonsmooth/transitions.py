@@ -114,9 +114,7 @@ class ModeTransition:
 
 def begin_on_rim(equations: Equations, y: Floats) -> tuple[Floats, ModeTransition]:
     """Return a state on the rim, shape (13,), with all held that rests, and how it goes on."""
-    mode = Mode(slips=bool(moving(equations, y).any()))
-    if mode.slips and not y[SLIP].any() and _hardly_drills(equations, y):
-        y, mode = with_turning(y[:, None], np.zeros(1))[:, 0], Mode()
+    y, mode = slips_or_rests(equations, y)
     if equations.fluid and y[LEAN] < LANDING:
         # fluid below a can that all but lies on its face holds its contact point
         y = _stopped_by_fluid(equations, y, mode)
@@ -128,6 +126,14 @@ def begin_on_rim(equations: Equations, y: Floats) -> tuple[Floats, ModeTransitio
     if equations.contour and now.mode.runs == 0:
         y = _still_on_rim(y)
     return y, now
+
+
+def slips_or_rests(equations: Equations, y: Floats) -> tuple[Floats, Mode]:
+    """Return a release whose patch does not turn by a round-off, and whether it slips."""
+    mode = Mode(slips=bool(moving(equations, y).any()))
+    if mode.slips and not y[SLIP].any() and _hardly_drills(equations, y):
+        return with_turning(y[:, None], np.zeros(1))[:, 0], Mode()
+    return y, mode
 
 
 def _hardly_drills(equations: Equations, y: Floats) -> bool:

@@ -228,9 +228,11 @@ def test_a_can_that_falls_in_a_plane_is_held_by_its_patch_as_by_its_point() -> N
     assert one.t_end == pytest.approx(other.t_end, rel=1e-14)
 
 
-def test_a_turning_that_is_a_round_off_is_none() -> None:
+@pytest.mark.parametrize("law", [None, Compliance(stiffness=1e3, damping=20.0)])
+def test_a_turning_that_is_a_round_off_is_none(law: Compliance | None) -> None:
     """Released without it psi' + theta' cos(phi) is a round-off, and no motion of the patch."""
-    rock = replace(CREEPS, phi=0.4, effects=Effects(mu=0.25, patch=0.05), duration=2.0)
+    effects = Effects(mu=0.25, patch=0.05, compliance=law)
+    rock = replace(CREEPS, phi=0.4, effects=effects, duration=2.0)
     found = solve(replace(rock, psi_dot=0.12, theta_dot=-0.12 / math.cos(0.4)))
     assert found.outcome is Outcome.FINISHED
     assert [phase.kind for phase in found.phases] == [Kind.STICK, Kind.SLIP]
