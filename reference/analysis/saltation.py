@@ -43,7 +43,7 @@ from reference.equations.newton_euler import SLIP_1, SLIP_2, GeneralEquations
 from reference.equations.patch_friction import friction_limit
 from reference.equations.state_vector import LEAN, SLIP, TURN, U1, U2, W1, W2, W3, Angles
 from reference.nonsmooth.level_spin import level_turning
-from reference.nonsmooth.patch_onset import moving
+from reference.nonsmooth.patch_onset import hardly_moves
 from reference.nonsmooth.segments import Segment
 from reference.problem.states import Floats
 
@@ -268,7 +268,8 @@ def _rates_at_start(equations: GeneralEquations, piece: Segment) -> Floats:
     core = core_of(y)
     if mode.flies:
         return np.asarray(equations.rates(y, mode, along=False)[core, 0])
-    begins = mode.slips and bool(np.linalg.norm(moving(equations, y)) <= RESTS)
+    still = hardly_moves(equations, y)[0] if equations.patch else np.hypot(*y[SLIP, 0]) <= RESTS
+    begins = mode.slips and bool(still)
     if equations.resistance and not mode.rests:
         begins = begins or bool(np.hypot(*level_turning(y)[:, 0]) <= RESTS)
     if not begins:

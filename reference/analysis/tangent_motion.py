@@ -21,7 +21,7 @@ from reference.analysis.unilateral_tangents import UnilateralEquations, with_fli
 from reference.analysis.variational import Stretch, stretches
 from reference.equations.newton_euler import GeneralEquations
 from reference.equations.state_vector import TURN, W2
-from reference.nonsmooth.patch_onset import begins, moving, rim_of
+from reference.nonsmooth.patch_onset import hardly_moves, moving, rim_of
 from reference.nonsmooth.segments import AHEAD, Segment, SegmentsPath
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
@@ -64,8 +64,7 @@ class TangentMotion:
         piece = self.pieces[number]
         y = piece.at(np.array([c]))
         slips = piece.mode.slips and not piece.mode.flies
-        rests = begins(self.equations, np.column_stack([piece.start, y])).all()
-        if slips and rests:
+        if slips and hardly_moves(self.equations, np.column_stack([piece.start, y])).all():
             ahead = moving(self.equations, piece.at(np.array([c + AHEAD])))
             way = ahead / np.linalg.norm(ahead)
             y = rim_of(self.equations).infinitesimal(y, way)

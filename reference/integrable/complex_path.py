@@ -8,7 +8,8 @@ of one round both of them in the plane of complex nutations, on which phi' has n
 without the derivatives of the turning points, which would be infinite quantities that cancel. The
 path is the elliptic clock's (`reference.integrable.elliptic`) shifted by an imaginary constant, on
 which all rates are analytic and periodic: the midpoint rule converges exponentially as it does on
-the real line. Turn and rotation are integrals of the same kind. That nothing singular lies between
+the real line. Turn and rotation are integrals of the same kind; that of the turn of a deep bounce
+takes a path that moves (`reference.integrable.deep_tangents`). That nothing singular lies between
 the path and the real line is seen from the integrals themselves, which must be the same on both.
 """
 
@@ -18,7 +19,7 @@ from scipy.special import ellipj, elliprf
 from reference.integrable.deep_tangents import is_deep, turn_on_path
 from reference.integrable.elliptic import EllipticSubstitution, squared_sn_cn
 from reference.integrable.quadrature import elliptic_substitution
-from reference.integrable.tangents import ClockNodes, TangentWell, tangent_state
+from reference.integrable.tangents import ClockNodes, TangentState, TangentWell, tangent_state
 from reference.integrable.turning_points import TurningPoints
 from reference.numerics.jets import Jet, jet_where
 from reference.problem.problem import Problem
@@ -71,10 +72,9 @@ def nodes_on_path(
 
 
 def rates_on_path(
-    well: TangentWell, clock: EllipticSubstitution, nodes: ClockNodes
+    well: TangentWell, state: TangentState, clock: EllipticSubstitution, nodes: ClockNodes
 ) -> tuple[Jet, Jet, Jet]:
     """Return the rates of t, psi and psi + theta in the clock's time, shape (m, n)."""
-    state = tangent_state(well, nodes.phi, nodes.below)
     sine, inertia = state.sine.value, well.inertia
     outside = (nodes.phi + clock.low) * ((clock.fourth_root - clock.high) + nodes.gap)
     room = sine**2 * (state.g.value / (nodes.rise * nodes.gap)) / outside
@@ -111,9 +111,10 @@ def cycle_tangents(
         scale = 2 * clock.quarter / count
         parts = []
         with np.errstate(all="ignore"):  # a path across a singularity shows in the values
-            time, precession, rotation = rates_on_path(well, clock, nodes)
+            state = tangent_state(well, nodes.phi, nodes.below)
+            time, precession, rotation = rates_on_path(well, state, clock, nodes)
             if (deep := is_deep(clock.low, clock.high)).any():
-                own = turn_on_path(well, nodes, clock.high, time.value)
+                own = turn_on_path(well, state, nodes, clock.high, time.value)
                 precession = jet_where(np.broadcast_to(deep, nodes.phi.shape), own, precession)
             for rate in (time, precession, rotation):
                 total = rate.real
@@ -157,6 +158,7 @@ def skipped_tangents(
         )
         step = left + 0.5j * np.pi * top * np.cos(np.pi / 2 * share)
         step = step * weight[:, None] / 2
+        rates = rates_on_path(well, tangent_state(well, nodes.phi, nodes.below), clock, nodes)
         found.append(
             [
                 Jet(
@@ -164,7 +166,7 @@ def skipped_tangents(
                     (step[..., None] * rate.slope).sum(axis=0).real
                     - end / abs(problem.phi_dot) * well.reference.slope,
                 )
-                for rate, end in zip(rates_on_path(well, clock, nodes), ends, strict=True)
+                for rate, end in zip(rates, ends, strict=True)
             ]
         )
     out = []

@@ -6,9 +6,15 @@ But an integral does not change where its path moves, nor a peak where its place
 
     d/dp oint f dphi = oint (f_p + (f V)_phi) dphi
 
-for any V. With V = phi (1 - phi^2/phi_max^2) B_p/B the ratio phi/B stays where phi is small, and so
-do, all but, b/B and sin(phi)/B: of b/sin(phi) the terms in B_p/B are left out by algebra, and no
-digits are lost. Where phi is large, beside a root of g, nothing moves.
+for any V that is analytic along the path. With V = (B_p/B) phi (1 - x^2), x = phi/phi_max, the
+ratio phi/B stays where phi is small, and so do, all but, b/B and sin(phi)/B; where phi is large,
+beside a root of g, nothing moves. With beta = phi cot(phi) - 1 the terms in B_p/B of q = b/sin(phi)
+and of the turn, of which b/sin(phi)^2 dphi is a factor, are
+
+    V_phi - V cot(phi) = -(B_p/B) (beta + x^2 (2 - beta)),
+    B_p/B - V cot(phi) = (B_p/B) (x^2 (1 + beta) - beta),
+
+small where phi is: what is large has gone by algebra, and not by a subtraction.
 """
 
 import numpy as np
@@ -25,7 +31,6 @@ from reference.integrable.tangents import (
     kinetic_energy,
     logarithm,
     polynomial,
-    tangent_state,
 )
 from reference.numerics.jets import Jet, Values, jet_cos, jet_sin, jet_sqrt, jet_where
 from reference.problem.states import Floats
@@ -41,26 +46,31 @@ def is_deep(low: Floats, high: Floats) -> NDArray[np.bool_]:
     return low < DEEP * high
 
 
-def deep_state(well: TangentWell, nodes: ClockNodes, high: Floats) -> TangentState:
+def deep_state(
+    well: TangentWell, state: TangentState, nodes: ClockNodes, high: Floats
+) -> TangentState:
     """Return jets at nutations that go with B: of b/sin(phi), of the spin and of g to round-off.
 
     Parameters
     ----------
     well : TangentWell
+    state : TangentState
+        At the nutations as they are.
     nodes : ClockNodes
     high : ndarray, shape (n,)
         phi_max.
     """
     growth, phi = _growth(well), nodes.phi
-    way = growth * (phi * _share(nodes, high))[..., None]
-    at = Jet(phi, fixed(phi).slope + way)
+    # 1 - x^2, by what is known of its smallness
+    left = nodes.gap * (high + phi) / high**2
+    V = growth * (phi * left)[..., None]
+    at = Jet(phi, fixed(phi).slope + V)
     gap = Jet(nodes.below, well.reference.slope - at.slope)
     log = logarithm(well, at, gap) * well.residue
     b1, s1, b2, s2 = _series(well, at)
     S, C = jet_sin(at), jet_cos(at)
-    # of B/sin(phi) as it moves
-    over, stays = well.B.value / S.value, (phi / high) ** 2
-    by = growth * (stays * (1 + _beyond(phi)) - _beyond(phi))[..., None]
+    over, square, beta = well.B.value / S.value, (phi / high) ** 2, _beta(phi)
+    by = growth * (square * (1 + beta) - beta)[..., None]
     by[..., AT] -= C.value / S.value
     q = (log * b1 + b2) * Jet(over, over[..., None] * by)
     spin = (log * s1 + s2) * well.B
@@ -71,20 +81,20 @@ def deep_state(well: TangentWell, nodes: ClockNodes, high: Floats) -> TangentSta
     lean = 2.0 * jet_sin(half) * jet_sqrt(1.0 + well.h * well.h) * jet_sin(well.short + half)
     g = well.excess + lean - (kinetic - kinetic_energy(well, start, turned))
     # elsewhere g is known as a difference from the release, and its derivatives are not large
-    plain = tangent_state(well, phi, nodes.below).g
-    moved = Jet(plain.value, plain.slope + way * plain.slope[..., AT:])
+    moved = Jet(state.g.value, state.g.slope + V * state.g.slope[..., AT:])
     g = jet_where(np.abs(nodes.below / well.reference.value) > NEARLY_ALL, g, moved)
     return TangentState(phi=at, q=q, spin=spin, sine=S, cosine=C, g=g)
 
 
-def turn_on_path(well: TangentWell, nodes: ClockNodes, high: Floats, pace: Values) -> Jet:
+def turn_on_path(
+    well: TangentWell, state: TangentState, nodes: ClockNodes, high: Floats, pace: Values
+) -> Jet:
     """Return the rate of psi on a path that goes with B, given that of t, shape (m, n)."""
-    state = deep_state(well, nodes, high)
+    state = deep_state(well, state, nodes, high)
     rate, inertia = state.q / state.sine.value, well.inertia
     by = inertia.slope / inertia.value[..., None] - state.g.slope / state.g.value[..., None]
-    # of dphi/sin(phi) as it moves
-    beyond, stays = _beyond(nodes.phi), (nodes.phi / high) ** 2
-    by = by / 2 - _growth(well) * (beyond + stays * (2 - beyond))[..., None]
+    beta, square = _beta(nodes.phi), (nodes.phi / high) ** 2
+    by = by / 2 - _growth(well) * (beta + square * (2 - beta))[..., None]
     return Jet(pace * rate.value, pace[..., None] * (rate.slope + rate.value[..., None] * by))
 
 
@@ -106,12 +116,7 @@ def _growth(well: TangentWell) -> Floats:
     return np.asarray(well.B.slope / well.B.value[..., None])
 
 
-def _share(nodes: ClockNodes, high: Floats) -> Values:
-    """Return 1 - (phi/phi_max)^2, by what is known of its smallness."""
-    return np.asarray(nodes.gap * (high + nodes.phi) / high**2)
-
-
-def _beyond(x: Values) -> Values:
+def _beta(x: Values) -> Values:
     """Return x cot(x) - 1 to relative round-off: -2 sum zeta(2 n) (x/pi)^(2 n)."""
     square = (x / np.pi) ** 2
     out = np.zeros_like(square)

@@ -108,15 +108,16 @@ def peak_tangent(
         high = finer[np.minimum(last + 1, NARROWER - 1), columns]
     state, nodes = at(np.stack([low, high]))
     g, seen = state.g, quantity(state)
-    deep = np.broadcast_to(is_deep(clock.low, clock.high), nodes.phi.shape)
+    edge = (low == 0.0) | (high == 1.0)
+    # of a peak between the edges no more digits are known than of its place
+    deep = np.broadcast_to(edge & is_deep(clock.low, clock.high), nodes.phi.shape)
     if deep.any():
-        own = deep_state(well, nodes, clock.high)
+        own = deep_state(well, state, nodes, clock.high)
         g, seen = jet_where(deep, own.g, g), jet_where(deep, quantity(own), seen)
     pick = np.abs(seen.value).argmax(axis=0)
     value, slope = seen.value[pick, columns], seen.slope[pick, columns]
     force = g.slope[pick, columns]
     moved = -force[:, :AT] / np.where(force[:, AT:] == 0, np.nan, force[:, AT:])
-    edge = (low == 0.0) | (high == 1.0)
     by = slope[:, :AT] + np.where(edge[:, None], slope[:, AT:] * moved, 0.0)
     nothing = np.where(np.isfinite(size).all(axis=0), 0.0, np.nan)
     tied = others.max(axis=0) >= np.abs(value) * (1 - TIED)

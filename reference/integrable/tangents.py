@@ -34,7 +34,7 @@ STEP = 1e-40
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TangentWell:
-    """The wells of n releases in jets; every field has values of shape (n,), but for two.
+    """The wells of n releases in jets; every field has values of shape (n,), but for three.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class TangentWell:
     b, spin, excess : Jet
         b, s and g there.
     B, K : Jet
-        First integrals: of the parts of b with a logarithm, and without.
+        First integrals: b = B (residue log(phi/r) b1 + b2) + K b1, and likewise the spin.
     series : Jet, shape (terms, 4, n)
         b1, s1, b2 and s2.
     polynomials : Jet, shape (terms, 5, n)

@@ -62,10 +62,10 @@ def moving(equations: Equations, y: Floats) -> Floats:
     return np.array([*slip, turn if y.ndim > 1 else turn[0]])
 
 
-def begins(equations: Equations, y: Floats) -> NDArray[np.bool_]:
-    """Return whether what friction opposes rests, shape (n,), of states of shape (13, n).
+def hardly_moves(equations: Equations, y: Floats) -> NDArray[np.bool_]:
+    """Return whether a point has no slip, and a patch no motion but a round-off, shape (n,).
 
-    A patch rests to round-off of its turning.
+    Of states of shape (13, n).
     """
     least = equations.patch * BESIDE * (1 + np.abs(y[TURN]).max(axis=0))
     return np.asarray(np.linalg.norm(moving(equations, y), axis=0) <= least)
@@ -173,7 +173,9 @@ def _solved(equations: GeneralEquations, y: Floats, mode: Mode, starts: Floats) 
         found = found.reshape(3, 3, k)
         slopes = np.moveaxis(found.imag / (STEP * size), -1, 0)
         residual = q - found[:, 0].real
-        update = np.linalg.solve(np.eye(3) - slopes, residual.T[..., None])[..., 0].T
+        matrix = np.eye(3) - slopes
+        matrix[~(np.abs(np.linalg.det(matrix)) > 0)] = np.eye(3)  # a start that leads nowhere
+        update = np.linalg.solve(matrix, residual.T[..., None])[..., 0].T
         # a motion turns by half of itself at most
         length = np.linalg.norm(update, axis=0)
         most = np.maximum(0.5 * size, np.finfo(float).tiny)
@@ -190,7 +192,8 @@ def _is_solution(
     """Return whether motions are their own accelerations under a push, and their contact."""
     found, contact = _accelerated(equations, y, mode, q)
     size = np.linalg.norm(q, axis=0)
-    solved = np.linalg.norm(q - found, axis=0) <= np.maximum(SOLVED * size, NOISE)
+    noise = NOISE * np.maximum(np.abs(contact.force).max(axis=0), 1.0)
+    solved = np.linalg.norm(q - found, axis=0) <= np.maximum(SOLVED * size, noise)
     return np.asarray(solved & (size > 0) & (contact.force[2] > 0)), contact
 
 

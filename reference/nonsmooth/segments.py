@@ -27,7 +27,7 @@ from reference.equations.state_vector import (
     Y,
 )
 from reference.nonsmooth.level_spin import rolled, stands
-from reference.nonsmooth.patch_onset import begins, moving, rim_of
+from reference.nonsmooth.patch_onset import hardly_moves, moving, rim_of
 from reference.nonsmooth.radau_iia import STAGES, basis, basis_at
 from reference.problem.states import Floats, States
 
@@ -312,9 +312,9 @@ class SegmentsPath:
         return begun
 
     def _begun_in_patch(self, y: Floats, number: NDArray[np.intp]) -> Floats:
-        """Return states with the direction of a patch that begins to move, and hardly does yet."""
-        starts = self._starts[number].T
-        still = np.flatnonzero(begins(self.equations, y) & begins(self.equations, starts))
+        """Return states with the direction of a patch that hardly moves, that of its piece."""
+        starts, law = self._starts[number].T, self.equations
+        still = np.flatnonzero(hardly_moves(law, y) & hardly_moves(law, starts))
         ahead = moving(self.equations, self._rows(number[still], np.full(still.size, AHEAD)))
         begun = y.copy()
         begun[:, still] = rim_of(self.equations).infinitesimal(

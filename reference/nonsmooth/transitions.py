@@ -129,7 +129,10 @@ def begin_on_rim(equations: Equations, y: Floats) -> tuple[Floats, ModeTransitio
 
 
 def slips_or_rests(equations: Equations, y: Floats) -> tuple[Floats, Mode]:
-    """Return a release whose patch does not turn by a round-off, and whether it slips."""
+    """Return the mode of a release, and its state, without a turning of a patch that is none.
+
+    A turning no larger than the round-off of the others is none.
+    """
     mode = Mode(slips=bool(moving(equations, y).any()))
     if mode.slips and not y[SLIP].any() and _hardly_drills(equations, y):
         return with_turning(y[:, None], np.zeros(1))[:, 0], Mode()

@@ -30,9 +30,9 @@ def posed(row: dict[str, Any]) -> Problem:
 
 @pytest.mark.parametrize("row", GOLDEN, ids=lambda row: f"{row['can']} {row['phi']:.3g}")
 def test_differences_in_84_digits(row: dict[str, Any]) -> None:
-    """Every derivative to 1e-10 of itself, or for the friction to round-off of the largest one.
+    """Every derivative to 1e-10 of itself; of friction and period to 1e-14.
 
-    A deep bounce hardly has a friction of its own: by phi it is a millionth of that by the rates.
+    In a deep bounce some of these are a millionth of the others.
     """
     known = sensitivity(posed(row))
     assert known.method == "quadrature"
@@ -40,8 +40,7 @@ def test_differences_in_84_digits(row: dict[str, Any]) -> None:
         if name in known.why:
             assert known.why[name] == PULLED
             continue
-        most = max(abs(float(digits)) for digits in slopes.values())
-        noise = 1e-14 * most if name == "peak_friction_ratio" else 0.0
+        noise = 1e-14 if name in {"peak_friction_ratio", "period"} else 0.0
         for by, digits in slopes.items():
             slope = known.derivatives[name][known.by.index(by)]
             assert slope == pytest.approx(float(digits), rel=1e-10, abs=noise), (name, by)
@@ -68,7 +67,7 @@ def test_nutations_that_stay_and_that_go_with_the_first_integral_give_the_same(
     for name in QUANTITIES:
         scale = np.abs(stay.derivatives[name]) + np.abs(stay.values[name])
         assert (
-            np.abs(stay.derivatives[name] - go.derivatives[name]) <= 1e-12 / psi_dot * scale
+            np.abs(stay.derivatives[name] - go.derivatives[name]) <= 1e-15 / psi_dot * scale
         ).all()
 
 
@@ -137,7 +136,7 @@ def test_many_at_once_are_each_by_itself() -> None:
     numbers = {
         "phi": generator.uniform(0.05, 0.5, n),
         "phi_dot": np.where(np.arange(n) % 2, 0.0, 0.04),
-        "psi_dot": generator.uniform(-1, 1, n),
+        "psi_dot": generator.uniform(-1, 1, n) * np.where(np.arange(n) % 3, 1.0, 1e-5),
         "theta_dot": generator.uniform(-1, 1, n),
     }
     cans = {name: np.full(n, getattr(PAPER_CAN, name)) for name in ("a", "c", "h")}
@@ -248,8 +247,15 @@ HELD = {"theta_dot": -ROCK["psi_dot"] / math.cos(ROCK["phi"])}
             ("phi", "theta_dot", "slip.mu", "slip.patch"),
             1e-9,
         ),
-        # it lets go 2e-9 beyond its limit
-        (Effects(mu=0.25, patch=0.1), HELD, ["stick", "slip"], ("slip.mu", "slip.patch"), 1e-8),
+        # it lets go 2e-9 beyond its limit; where it all but slides the largest friction is measured
+        # to 1e-12, for a step of 3e-5
+        (
+            Effects(mu=0.25, patch=0.1),
+            HELD,
+            ["stick", "slip"],
+            ("slip.mu", "slip.patch"),
+            (1e-8, 1e-7),
+        ),
         # the friction jumps, and is largest just before
         (
             Effects(mu=0.2, mu_static=0.25, patch=0.1),
@@ -274,12 +280,11 @@ def test_a_patch_of_contact(
     release: dict[str, float],
     phases: list[str],
     names: tuple[str, ...],
-    least: float,
+    least: float | tuple[float, float],
 ) -> None:
     problem = Problem(parameters=PAPER_CAN, effects=effects, **(ROCK | release))
     assert [phase.kind.value for phase in solve(problem).phases] == phases
-    # where the patch all but slides the largest friction is measured to 1e-12, for a step of 3e-5
-    hold_differences(problem, names, least, peak=max(least, 1e-7))
+    hold_differences(problem, names, least)
 
 
 @pytest.mark.parametrize("static", [0.35, 0.38])
@@ -306,14 +311,15 @@ def test_one_that_only_slips_has_the_derivatives_of_a_lesser_static_friction() -
 
 
 def hold_differences(
-    problem: Problem, names: tuple[str, ...], least: float, *, peak: float | None = None
+    problem: Problem, names: tuple[str, ...], least: float | tuple[float, float]
 ) -> None:
     """Hold derivatives to a share of what a change of a number by itself does, by differences.
 
-    And those of the largest friction to one of its own.
+    Of two shares the second is that of the largest friction.
     """
     known = sensitivity(problem)
-    leasts = np.where([name == "peak_friction_ratio" for name in QUANTITIES], peak or least, least)
+    share, of_friction = least if isinstance(least, tuple) else (least, least)
+    leasts = [of_friction if name == "peak_friction_ratio" else share for name in QUANTITIES]
     assert not known.why
     for name in names:
         # a coefficient of friction along the rim is small itself

@@ -17,6 +17,7 @@ from reference.equations.patch_friction import (
     motion_against,
 )
 from reference.equations.state_vector import DISSIPATED, SUPPLIED
+from reference.nonsmooth import patch_onset
 from reference.nonsmooth.patch_onset import rim_of
 from reference.nonsmooth.segments import SegmentsPath
 from tests.support import free_body
@@ -148,7 +149,7 @@ def rows_of(found: Solution, times: np.ndarray) -> np.ndarray:
     "motion",
     [(1.0, 0.3, 0.2), (0.1, -0.2, 0.5), (0.3, 0.4, -0.5), (0.0, 0.0, 1.0), (3.0, 4.0, 0.0)],
 )
-def test_the_friction_limit_a_reaction_and_its_slopes(motion: tuple[float, float, float]) -> None:
+def test_the_limit_of_a_reaction_and_its_slopes(motion: tuple[float, float, float]) -> None:
     """A reaction of the limit surface is homogeneous in mu N, and its normal is the motion."""
     q = np.array(motion)[:, None]
     reaction = 0.7 * friction_of_patch(q)
@@ -249,6 +250,41 @@ def test_friction_goes_on_where_a_patch_begins_to_move(patch: float) -> None:
     ratio = np.hypot(force[:, 0], force[:, 1]) / force[:, 2]
     assert ratio == pytest.approx(np.full(6, ratio[0]), rel=1e-5)
     assert ratio[0] < 0.25
+
+
+def fast(psi_dot: float, patch: float, law: Compliance | None = None) -> Problem:
+    """Return a can that turns fast, but not about the normal."""
+    effects = Effects(mu=0.25, patch=patch, compliance=law)
+    still = -psi_dot / math.cos(0.4)
+    return Problem(
+        parameters=PAPER_CAN,
+        phi=0.4,
+        psi_dot=psi_dot,
+        theta_dot=still,
+        effects=effects,
+        duration=0.01,
+    )
+
+
+@pytest.mark.parametrize(
+    ("psi_dot", "law"),
+    [(30.0, None), (60.0, None), (300.0, None), (300.0, Compliance(stiffness=1e3, damping=20.0))],
+)
+def test_forces_as_large_as_they_may_be_let_a_patch_go_as_a_point(
+    psi_dot: float, law: Compliance | None
+) -> None:
+    """The round-off by which a direction is known is that of the forces, hundreds of weights."""
+    patch, point = (solve(fast(psi_dot, radius, law)) for radius in (0.1, 0.0))
+    assert patch.outcome is point.outcome
+    assert patch.t_end == pytest.approx(point.t_end, rel=1e-3)
+
+
+def test_a_start_that_runs_away_does_not_take_the_others_with_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """One of those all round ends at a singular matrix; nothing is found, which is an outcome."""
+    monkeypatch.setattr(patch_onset, "NOISE", 1e-17)
+    assert solve(fast(30.0, 0.1)).outcome is Outcome.INCONSISTENT
 
 
 def test_a_patch_that_is_dropped_without_moving_has_states_in_the_air() -> None:
