@@ -11,8 +11,8 @@ ratio phi/B stays where phi is small, and so do, all but, b/B and sin(phi)/B; wh
 beside a root of g, nothing moves. With beta = phi cot(phi) - 1 the terms in B_p/B of q = b/sin(phi)
 and of the turn, of which b/sin(phi)^2 dphi is a factor, are
 
-    V_phi - V cot(phi) = -(B_p/B) (beta + x^2 (2 - beta)),
     B_p/B - V cot(phi) = (B_p/B) (x^2 (1 + beta) - beta),
+    V_phi - V cot(phi) = -(B_p/B) (beta + x^2 (2 - beta)),
 
 small where phi is: what is large has gone by algebra, and not by a subtraction.
 """
