@@ -21,7 +21,7 @@ from reference.analysis.unilateral_tangents import UnilateralEquations, with_fli
 from reference.analysis.variational import Stretch, stretches
 from reference.equations.newton_euler import GeneralEquations
 from reference.equations.state_vector import TURN, W2
-from reference.nonsmooth.patch_onset import hardly_moves, moving, rim_of
+from reference.nonsmooth.patch_onset import hardly_moves, towards
 from reference.nonsmooth.segments import AHEAD, Segment, SegmentsPath
 from reference.problem.problem import Problem
 from reference.problem.states import Floats
@@ -65,9 +65,7 @@ class TangentMotion:
         y = piece.at(np.array([c]))
         slips = piece.mode.slips and not piece.mode.flies
         if slips and hardly_moves(self.equations, np.column_stack([piece.start, y])).all():
-            ahead = moving(self.equations, piece.at(np.array([c + AHEAD])))
-            way = ahead / np.linalg.norm(ahead)
-            y = rim_of(self.equations).infinitesimal(y, way)
+            y = towards(self.equations, y, piece.at(np.array([c + AHEAD])))
         return y
 
     def rates(self, number: int, c: float) -> Floats:

@@ -32,7 +32,7 @@ from reference.integrable.tangents import (
     logarithm,
     polynomial,
 )
-from reference.numerics.jets import Jet, Values, jet_cos, jet_sin, jet_sqrt, jet_where
+from reference.numerics.jets import Jet, Values, jet_cos, jet_sin, jet_sqrt, jet_stack, jet_where
 from reference.problem.states import Floats
 
 # Of phi_max: a bounce with a lower phi_min is deep.
@@ -102,12 +102,7 @@ def _series(well: TangentWell, at: Jet) -> list[Jet]:
     """Return b1, s1, and what is without a logarithm of b/B and of the spin over B."""
     share = well.K / well.B
     b1, s1, b2, s2 = (well.series[:, place] for place in range(4))
-    stack = [b1, s1, b2 + b1 * share, s2 + s1 * share]
-    coefficients = Jet(
-        np.stack(np.broadcast_arrays(*(each.value for each in stack)), axis=1),
-        np.stack(np.broadcast_arrays(*(each.slope for each in stack)), axis=1),
-    )
-    values = polynomial(coefficients, at)
+    values = polynomial(jet_stack([b1, s1, b2 + b1 * share, s2 + s1 * share], axis=1), at)
     return [values[place] for place in range(4)]
 
 

@@ -21,7 +21,7 @@ from reference.integrable.effective_potential import (
     POISED,
 )
 from reference.integrable.frobenius import CanConstants, frobenius_series
-from reference.numerics.jets import Jet, Values, jet_cos, jet_sin, jet_sqrt, jet_where
+from reference.numerics.jets import Jet, Values, jet_cos, jet_sin, jet_sqrt, jet_stack, jet_where
 from reference.problem.states import Floats
 
 BY = ("phi", "phi_dot", "psi_dot", "theta_dot", "a", "c", "h")
@@ -180,10 +180,7 @@ def tangent_well(numbers: dict[str, Jet]) -> TangentWell:
         B=B,
         K=K,
         series=series,
-        polynomials=Jet(
-            np.stack(np.broadcast_arrays(*(each.value for each in stack)), axis=1),
-            np.stack(np.broadcast_arrays(*(each.slope for each in stack)), axis=1),
-        ),
+        polynomials=jet_stack(stack, axis=1),
         poised=False,
     )
     force = _kinetic_force(well, b, spin, r) - jet_sqrt(1.0 + h * h) * jet_sin(short)

@@ -76,6 +76,12 @@ def rim_of(equations: Equations) -> UnilateralHold:
     return _of_patch(equations.patch) if equations.patch else RIM
 
 
+def towards(equations: Equations, y: Floats, ahead: Floats) -> Floats:
+    """Return states that hardly move, in the direction of others, both of shape (13, n)."""
+    motion = moving(equations, ahead)
+    return rim_of(equations).infinitesimal(y, motion / np.linalg.norm(motion, axis=0))
+
+
 def with_turning(y: Floats, turning: Floats) -> Floats:
     """Return states (13, n) that turn about the normal at the given rates, shape (n,)."""
     at = Angles.of(y[LEAN])

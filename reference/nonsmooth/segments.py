@@ -27,7 +27,7 @@ from reference.equations.state_vector import (
     Y,
 )
 from reference.nonsmooth.level_spin import rolled, stands
-from reference.nonsmooth.patch_onset import hardly_moves, moving, rim_of
+from reference.nonsmooth.patch_onset import hardly_moves, towards
 from reference.nonsmooth.radau_iia import STAGES, basis, basis_at
 from reference.problem.states import Floats, States
 
@@ -301,25 +301,14 @@ class SegmentsPath:
             level = to_level(ahead.T[TURN], Angles.of(y[LEAN, resting]))[:2]
             y = y.copy()
             y[:, resting] = rolled(y[:, resting], level / np.hypot(*level))
-        if self.equations.patch and mode.slips and not mode.flies:
-            return self._begun_in_patch(y, number)
-        still = np.flatnonzero(np.hypot(y[U1], y[U2]) == 0)
-        if not mode.slips or not still.size:
+        if not mode.slips or mode.flies:
             return y
-        ahead = self._coefficients[number[still]][:, [U1, U2]] @ basis_at((AHEAD,))[0]
-        begun = y.copy()
-        begun[[U1, U2], still[:, None]] = ahead
-        return begun
-
-    def _begun_in_patch(self, y: Floats, number: NDArray[np.intp]) -> Floats:
-        """Return states with the direction of a patch that hardly moves, that of its piece."""
-        starts, law = self._starts[number].T, self.equations
-        still = np.flatnonzero(hardly_moves(law, y) & hardly_moves(law, starts))
-        ahead = moving(self.equations, self._rows(number[still], np.full(still.size, AHEAD)))
-        begun = y.copy()
-        begun[:, still] = rim_of(self.equations).infinitesimal(
-            y[:, still], ahead / np.linalg.norm(ahead, axis=0)
-        )
+        law = self.equations
+        still = np.flatnonzero(hardly_moves(law, y) & hardly_moves(law, self._starts[number].T))
+        if not still.size:
+            return y
+        begun, ahead = y.copy(), self._rows(number[still], np.full(still.size, AHEAD))
+        begun[:, still] = towards(law, y[:, still], ahead)
         return begun
 
 

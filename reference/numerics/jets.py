@@ -4,6 +4,7 @@ Forward-mode differentiation in arrays. A jet is exact to round-off, of complex 
 formula that loses no digits in its value by cancellation loses none in its derivatives.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias, Union
 
@@ -114,6 +115,13 @@ def jet_sin(x: Jet) -> Jet:
 def jet_cos(x: Jet) -> Jet:
     """Return the cosine."""
     return x.through(np.cos(x.value), -np.sin(x.value))
+
+
+def jet_stack(jets: Sequence[Jet], axis: int) -> Jet:
+    """Return jets beside each other, along a new leading axis."""
+    values = np.broadcast_arrays(*(jet.value for jet in jets))
+    slopes = np.broadcast_arrays(*(jet.slope for jet in jets))
+    return Jet(np.stack(values, axis=axis), np.stack(slopes, axis=axis))
 
 
 def jet_where(chosen: NDArray[np.bool_], one: Jet, other: Jet) -> Jet:

@@ -57,6 +57,7 @@ def test_golden_derivatives_are_of_many_regimes() -> None:
 def test_nutations_that_stay_and_that_go_with_the_first_integral_give_the_same(
     psi_dot: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """To what is left at a nutation that stays: round-off, a few 1e-16, over phi_min."""
     rates = {"psi_dot": psi_dot, "theta_dot": -psi_dot / 2}
     problem = Problem(parameters=PAPER_CAN, phi_dot=-0.01, **(ROCK | rates))
     found = []

@@ -2,12 +2,13 @@
 
 Each of the three readings of a step is a call, and together they cost more than the step. So most
 steps of a slow motion are taken without a reading, in one call; `SamplingInterval` says which. A
-reading is packed into its numbers at once: the tuples in which
-PyBullet returns them, if held, cost the collector of garbage and the memory more than the packing.
-The contacts that a step leaves are paired with the state before it.
+reading is packed into its numbers at once: the tuples in which PyBullet returns them, if held, cost
+the collector of garbage and the memory more than the packing. The contacts that a step leaves are
+paired with the state before it.
 """
 
 from collections.abc import Iterator
+from functools import partial
 from importlib.metadata import version
 from itertools import repeat
 from struct import Struct
@@ -92,9 +93,7 @@ class PybulletSteps:
                 readings(reading(*position, *quaternion, *velocity, *spin, len(contacts)))
             return quaternion, spin
 
-        def skip(steps: int) -> None:
-            world.skip(steps, step)
-
+        skip = partial(world.skip, step=step)
         places, spans = take_stage(stage, self._sampling, read_and_step, skip)
         if len(places) > 0:
             self._times.append(stage.times[places])
