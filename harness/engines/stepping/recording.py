@@ -171,14 +171,16 @@ class Recorder:
         last = len(chunk.quaternions) - 1
         if parts[-1][0][-1] < chunk.times[last] <= until:
             parts = [*parts, _rows(chunk, np.array([last]))]
-        time, *readings = map(np.concatenate, zip(*parts, strict=True))
+        one = len(parts) == 1  # what is joined is copied
+        time, *readings = parts[0] if one else map(np.concatenate, zip(*parts, strict=True))
         count = int(np.searchsorted(time, until, side="right"))
         return chunk.trajectory(time[:count], *(rows[:count] for rows in readings))
 
 
 def _rows(chunk: Chunk, places: Integers) -> tuple[NDArray[Any], ...]:
     """Return times and readings of some of the states of a chunk."""
-    return chunk.times[places], *(rows[places] for rows in chunk.readings)
+    # `take` copies whole rows, in a quarter of the time of an index
+    return chunk.times[places], *(rows.take(places, axis=0) for rows in chunk.readings)
 
 
 def _path(q: Floats) -> Floats:
