@@ -2,7 +2,6 @@
 
 import json
 import math
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +17,9 @@ from reference.analysis.agreement import Agreement
 from reference.analysis.conditioning import EPS, neighbours
 from reference.equations.steady_motion import steady_rotation
 from reference.integrable.effective_potential import EffectivePotential
+from reference.integrable.exact_motion import until_horizon
 from reference.integrable.turning_points import OUTCOMES, TurningPoints, turning_points
+from reference.smooth.extrema import Run
 from tests.support.examples import examples
 
 HARD = json.loads((Path(__file__).parent / "golden" / "hard.json").read_text())
@@ -132,10 +133,13 @@ def test_a_closed_motion_without_measure_is_caught_before_it_is_followed(
         found = own(values)
         return replace(found, slope=found.slope * period, waves=found.waves * period)
 
+    def followed(problem: Problem, path: reference.integrable.exact_motion.ExactPath) -> Run:
+        assert problem.duration is None  # a bounce is compared; it goes no further
+        return until_horizon(problem, path)
+
     monkeypatch.setattr(reference.integrable.exact_motion, "harmonics_of", scaled)
-    before = time.process_time()
+    monkeypatch.setattr(reference.analysis.confirmation, "until_horizon", followed)
     found = solve(replace(GENTLE, bounces=None, duration=5.0))
-    assert time.process_time() - before < 5.0
     assert found.model == "rolling"
     assert found.t_end == 5.0
     assert found.agreement is not None
