@@ -12,7 +12,7 @@ from harness.core.errors import (
     MissingLibraryError,
     RefusedModelError,
 )
-from harness.core.simulation import Outcome, Simulation
+from harness.core.simulation import Outcome, ParityRow, Simulation
 from harness.core.trajectory import Floats, Integers, Trajectory
 from harness.engines.base import (
     COMMON,
@@ -89,6 +89,7 @@ __all__ = [
     "MissingLibraryError",
     "ModelDifference",
     "Outcome",
+    "ParityRow",
     "PhysicsEngine",
     "Precision",
     "RefusedModelError",

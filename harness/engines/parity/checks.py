@@ -244,7 +244,9 @@ def _free_flight(
     if scene.effects.tilt is not None or scene.effects.shake is not None:
         directions += [("gravity along x", X), ("gravity along y", Y)]
     linear, angular = (0.0, 0.0) if damping is None else (damping.linear, damping.angular)
-    tolerance = known.probed * scene.gravity + (ulp + linear * scene.gravity)
+    # damping may take its share of what gravity adds in the step
+    share = known.probed + linear * timestep
+    tolerance = share * float(np.linalg.norm(gravity)) + ulp
     for quantity, direction in directions:
         value = float(rest.velocity / timestep @ direction)
         yield quantity, "m/s^2", float(gravity @ direction), value, tolerance, _HOW

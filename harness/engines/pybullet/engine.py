@@ -8,6 +8,7 @@ paired with the state before it.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
 from itertools import repeat
@@ -22,6 +23,7 @@ from harness.engines import (
     Chunk,
     Floats,
     Integers,
+    ParityRow,
     PhysicsEngine,
     SamplingInterval,
     Schedule,
@@ -190,6 +192,17 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
         """Return the settings that the effects of a scene decide."""
         del timestep
         return declared.for_effects(case.scene)
+
+    def parity(self, case: Case) -> tuple[ParityRow, ...]:
+        """Return the compiled model of a case against its scene, where a step is one step.
+
+        Of a timestep in parts PyBullet tells what is true after the last one; asked is a part.
+        """
+        parts = int(self.resolve(case)["numSubSteps"])  # type: ignore[arg-type]
+        if parts > 1:
+            options = tuple(pair for pair in case.options if pair[0] != "numSubSteps")
+            case = replace(case, timestep=self.timestep(case) / parts, options=options)
+        return super().parity(case)
 
     def imposed_in(self, case: Case) -> dict[str, float]:
         """Return the rows of parity in which PyBullet goes its own way in a case."""

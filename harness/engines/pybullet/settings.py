@@ -81,7 +81,7 @@ SOLVER = (
     Setting.as_shipped(
         "numSubSteps",
         0,
-        "Parts that a timestep is stepped in, of 2 or more; forces are the last one's.",
+        "Parts of a timestep, 2 or more; parity asks one of them, forces are the last one's.",
     ),
     Setting.as_shipped(
         "constraintSolverType",
@@ -258,6 +258,10 @@ def imposed_in(case: Case, chosen: Mapping[str, Value]) -> dict[str, float]:
         rows |= dict.fromkeys(_ARMS, math.inf)
         corner = scene.can.radius * outline_gap(prism(32) if mesh is None else mesh)  # type: ignore[arg-type] # as checked
     rows |= rim_within(scene.can, _or(chosen["collisionMargin"], _MARGIN) + corner)
+    soft, load = scene.effects.compliance, scene.can.mass * scene.gravity
+    if soft is not None:  # what of the depth under its load the spring leaves alone
+        left_alone = _or(chosen["contactSlop"], 1e-5) * soft.stiffness
+        rows["contact stiffness"] = left_alone / load if load else math.inf
     return rows if chosen["useMaximalCoordinates"] else rows | _damped(scene, chosen)
 
 

@@ -4,6 +4,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from harness.engines.description import Precision
 from harness.engines.parity.checks import parity
 from harness.engines.stepping.settling import AT_REST, above_origin
 from harness.engines.world import Contact
-from models import NO_SLIP_FRICTION, Pose, Scene, Twist, angles, to_body
+from models import NO_SLIP_FRICTION, Damping, Effects, Pose, Scene, Twist, angles, to_body
 from models.kinematics import to_world
 
 DT = 1e-3
@@ -134,6 +135,14 @@ def test_a_fault_shows_where_it_is(
     gentle: Scene, faults: dict[str, Any], quantities: set[str]
 ) -> None:
     assert faulty(gentle, **faults) == dict.fromkeys(quantities, "mismatch")
+
+
+@pytest.mark.parametrize(("gravity", "verdict"), [(9.81, None), (9.81 * 0.999, "mismatch")])
+def test_damping_excuses_no_gravity_but_for_what_it_takes_in_a_step(
+    gentle: Scene, gravity: float, verdict: str | None
+) -> None:
+    damped = replace(gentle, effects=Effects(damping=Damping(linear=0.04)))
+    assert faulty(damped, linear=0.04, gravity=gravity).get("gravity") == verdict
 
 
 def test_moments_are_told_apart(gentle: Scene) -> None:

@@ -1,12 +1,15 @@
 """Settings of PyBullet that change what is read, or what is printed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from harness.core.case import Case, Value
 from harness.core.simulation import Simulation
 from harness.engines.registry import engine
-from models import Scene
+from models import Scene, load
+from tests.support.engines import stepping_engine
 
 DANTZIG = "CONSTRAINT_SOLVER_LCP_DANTZIG"
 
@@ -27,6 +30,31 @@ def test_of_a_timestep_in_parts_the_force_is_that_of_its_last_part(gentle: Scene
         mine = np.interp(times, whole.time, whole.contact_force[:, axis])
         fine = np.interp(times + 3e-4, parts.time, parts.contact_force[:, axis])
         np.testing.assert_allclose(mine, fine, atol=0.005 * weight)
+
+
+@pytest.mark.parametrize("profile", ["default", "matched", "adaptive"])
+@pytest.mark.parametrize("scene", ["gentle-rock", "dropped-can", "soft-rock", "tilted-plane"])
+def test_a_timestep_in_parts_has_the_can_of_the_scene(scene: str, profile: str) -> None:
+    for timestep, parts in ((1e-3, 2), (1e-4, 4)):
+        case = Case(
+            scene=load(scene),
+            engine="pybullet",
+            profile=profile,
+            timestep=timestep,
+            options=(("numSubSteps", parts),),
+        )
+        rows = {row.quantity: row for row in stepping_engine("pybullet").parity(case)}
+        assert "mismatch" not in {row.verdict for row in rows.values()}
+        assert rows["timestep"].found == pytest.approx(rows["timestep"].declared)
+        assert rows["timestep"].declared <= timestep / parts
+
+
+def test_as_it_ships_a_spring_begins_below_the_slop() -> None:
+    soft = Case(scene=load("soft-rock"), engine="pybullet", profile="default", timestep=1e-5)
+    for slop, verdict in ((None, "imposed"), (2e-5, "imposed"), (0.0, "equal")):
+        case = replace(soft, options=(("contactSlop", slop),) if slop is not None else ())
+        rows = {row.quantity: row for row in stepping_engine("pybullet").parity(case)}
+        assert rows["contact stiffness"].verdict == verdict
 
 
 def test_another_solver_finds_the_same_motion_and_says_nothing(
