@@ -87,7 +87,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.hookimpl(trylast=True)  # hypothesis has loaded its profile
 def pytest_configure(config: pytest.Config) -> None:
-    """Draw the same examples whatever else runs in this process, and fewer in a quick run."""
+    """Draw the same examples whatever else runs in this process, and fewer in a quick run.
+
+    Engines that the user has in environments are not known, also where a module lists engines.
+    """
+    os.environ["ROCKINGCAN_ENGINES"] = str(Path(__file__).with_name("no-engines"))
     if config.option.quick:
         settings.load_profile("quick")
     if settings().derandomize:
@@ -195,7 +199,7 @@ def _of_its_own(shared_folder: Path) -> Iterator[None]:
     """Keep what tests run in a store of their own, and wait for no other program that times.
 
     The lock of timing is in the folder for temporary files; its path is short, as are those of
-    sockets. Engines that the user has in environments are not known here.
+    sockets.
     """
     with (
         pytest.MonkeyPatch.context() as patch,
