@@ -9,6 +9,7 @@ from harness.core.case import Case, Value
 from harness.core.simulation import Simulation
 from harness.engines.registry import engine
 from models import Scene, load
+from models.rim import released
 from tests.support.engines import stepping_engine
 
 DANTZIG = "CONSTRAINT_SOLVER_LCP_DANTZIG"
@@ -30,6 +31,21 @@ def test_of_a_timestep_in_parts_the_force_is_that_of_its_last_part(gentle: Scene
         mine = np.interp(times, whole.time, whole.contact_force[:, axis])
         fine = np.interp(times + 3e-4, parts.time, parts.contact_force[:, axis])
         np.testing.assert_allclose(mine, fine, atol=0.005 * weight)
+
+
+@pytest.mark.parametrize("profile", ["default", "matched"])
+@pytest.mark.parametrize("scene", ["gentle-rock", "dropped-can", "soft-rock"])
+def test_a_timestep_in_parts_is_so_many_steps(scene: str, profile: str) -> None:
+    parts, opens = 4, stepping_engine("pybullet").open
+    case = Case(scene=load(scene), engine="pybullet", profile=profile, timestep=1e-3)
+    whole = opens(replace(case, options=(("numSubSteps", parts),)))
+    single = opens(replace(case, timestep=1e-3 / parts))
+    for world, steps in ((whole, 20), (single, 20 * parts)):
+        world.place(*released(case.scene))
+        for _ in range(steps):
+            world.step()
+    np.testing.assert_array_equal(whole.pose().position, single.pose().position)
+    np.testing.assert_array_equal(whole.twist().angular_velocity, single.twist().angular_velocity)
 
 
 @pytest.mark.parametrize("profile", ["default", "matched", "adaptive"])
