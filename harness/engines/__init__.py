@@ -12,7 +12,7 @@ from harness.core.errors import (
     MissingLibraryError,
     RefusedModelError,
 )
-from harness.core.simulation import Outcome, ParityRow, Simulation
+from harness.core.simulation import Outcome, Simulation
 from harness.core.trajectory import Floats, Integers, Trajectory
 from harness.engines.base import (
     COMMON,
@@ -43,6 +43,7 @@ from harness.engines.parity.contact import (
     TWO_DIRECTIONS,
     bounded_separately,
     declared_friction,
+    probed_depth,
 )
 from harness.engines.stepping.generic_stepping import (
     StageReader,
@@ -89,7 +90,6 @@ __all__ = [
     "MissingLibraryError",
     "ModelDifference",
     "Outcome",
-    "ParityRow",
     "PhysicsEngine",
     "Precision",
     "RefusedModelError",
@@ -114,6 +114,7 @@ __all__ = [
     "outline_gap",
     "pressed_distance",
     "prism",
+    "probed_depth",
     "record",
     "resolve",
     "rim_within",

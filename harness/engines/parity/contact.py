@@ -296,9 +296,7 @@ def contact_laws(stand: Stand) -> Iterator[Compared]:
 
 def _spring(stand: Stand, stiffness: float, damping: float) -> Iterator[Compared]:
     """Read stiffness and damping from the force at rest and sinking."""
-    depth = stand.body.mass * stand.scene.gravity / stiffness
-    # it needs a depth, gravity or not, at which the rim is in the plane and the can is not
-    depth = min(max(depth, 1e-9 * stand.scene.can.radius), 0.1 * stand.scene.can.radius)
+    depth = probed_depth(stand.scene, stiffness)
     speed = 0.01 * depth / stand.timestep
     held = float(stand.press(depth, AT_REST).force[2])
     sinking = float(stand.press(depth, moving(-speed * UP)).force[2])
@@ -318,6 +316,15 @@ def _spring(stand: Stand, stiffness: float, damping: float) -> Iterator[Compared
     rate, how = (sinking - held) / speed, f"{how}, that sinks at {speed:.2g} m/s"
     tolerance = 1e-3 * damping + 1.1 * step + 6.0 * fallen * (damping + step) + 1e-6 * step
     yield "contact damping", "N s/m", damping, rate, tolerance, how
+
+
+def probed_depth(scene: Scene, stiffness: float) -> float:
+    """Return the depth at which a spring is probed, m: where it bears the weight.
+
+    It needs a depth, gravity or not, at which the rim is in the plane and the can is not.
+    """
+    depth, radius = body(scene).mass * scene.gravity / stiffness, scene.can.radius
+    return min(max(depth, 1e-9 * radius), 0.1 * radius)
 
 
 def _resistance(stand: Stand, name: str, length: float, axis: Floats) -> Compared:

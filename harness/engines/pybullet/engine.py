@@ -8,7 +8,6 @@ paired with the state before it.
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
 from itertools import repeat
@@ -23,7 +22,6 @@ from harness.engines import (
     Chunk,
     Floats,
     Integers,
-    ParityRow,
     PhysicsEngine,
     SamplingInterval,
     Schedule,
@@ -37,8 +35,9 @@ from harness.engines import (
 from harness.engines.pybullet import DESCRIPTION
 from harness.engines.pybullet import settings as declared
 from harness.engines.pybullet.contact_points import POINT, resultants
+from harness.engines.pybullet.frames import Numbers
 from harness.engines.pybullet.suppress_output import pybullet
-from harness.engines.pybullet.world import ANY_LINK, Numbers, PybulletWorld
+from harness.engines.pybullet.world import ANY_LINK, PybulletWorld, in_parts
 
 _ROWS_PER_CONTACT = 3  # the normal and two directions of friction
 _READING = Struct("14d")
@@ -193,16 +192,14 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
         del timestep
         return declared.for_effects(case.scene)
 
-    def parity(self, case: Case) -> tuple[ParityRow, ...]:
-        """Return the compiled model of a case against its scene, where a step is one step.
+    def probed(self, case: Case) -> tuple[PybulletWorld, float]:
+        """Return the world that parity asks, and how far a step of it advances, s.
 
-        Of a timestep in parts PyBullet tells what is true after the last one; asked is a part.
+        Of a step in parts PyBullet tells the force of the last one, so that a part is asked.
         """
-        parts = int(self.resolve(case)["numSubSteps"])  # type: ignore[arg-type]
-        if parts > 1:
-            options = tuple(pair for pair in case.options if pair[0] != "numSubSteps")
-            case = replace(case, timestep=self.timestep(case) / parts, options=options)
-        return super().parity(case)
+        world = self.open(case)
+        world.take_parts()
+        return world, world.timestep
 
     def imposed_in(self, case: Case) -> dict[str, float]:
         """Return the rows of parity in which PyBullet goes its own way in a case."""
@@ -225,7 +222,8 @@ class PybulletEngine(PhysicsEngine[PybulletWorld]):
 
     def export_settings(self, case: Case) -> str:
         """Return a case's settings as calls, for a world that is connected and a file can.urdf."""
-        timestep, settings = self.timestep(case), self.resolve(case)
+        settings = self.resolve(case)
+        timestep = in_parts(self.timestep(case), max(int(settings["numSubSteps"]), 1))  # type: ignore[arg-type]
         solver = dict(declared.PROCESS_WIDE) | declared.given(declared.SOLVER, settings)
         dynamics = declared.given(declared.DYNAMICS, settings)
         flags = [f"pybullet.{name}" for name in declared.urdf_flags(settings)]

@@ -40,6 +40,7 @@ from harness.engines import (
     bounded_separately,
     outline_gap,
     prism,
+    probed_depth,
     rim_within,
 )
 from models.scene import Scene
@@ -223,11 +224,8 @@ def urdf_flags(chosen: Mapping[str, Value]) -> list[str]:
     return [s.name for s in URDF_FLAGS if s.name.startswith("URDF_") and chosen[s.name]]
 
 
-_MARGIN = 0.001
-"""m: collisionMargin where PyBullet is not handed one."""
-
-_DAMPING = 0.04
-"""1/s: linearDamping and angularDamping where PyBullet is not handed one."""
+_MARGIN, _DAMPING, _SLOP = 0.001, 0.04, 1e-5
+"""m, 1/s, m: collisionMargin, both dampings and contactSlop where PyBullet is not handed them."""
 
 _MOMENTS = (
     "transverse inertia A",
@@ -258,10 +256,11 @@ def imposed_in(case: Case, chosen: Mapping[str, Value]) -> dict[str, float]:
         rows |= dict.fromkeys(_ARMS, math.inf)
         corner = scene.can.radius * outline_gap(prism(32) if mesh is None else mesh)  # type: ignore[arg-type] # as checked
     rows |= rim_within(scene.can, _or(chosen["collisionMargin"], _MARGIN) + corner)
-    soft, load = scene.effects.compliance, scene.can.mass * scene.gravity
-    if soft is not None:  # what of the depth under its load the spring leaves alone
-        left_alone = _or(chosen["contactSlop"], 1e-5) * soft.stiffness
-        rows["contact stiffness"] = left_alone / load if load else math.inf
+    if (soft := scene.effects.compliance) is not None:  # the spring begins below the slop
+        share = _or(chosen["contactSlop"], _SLOP) / probed_depth(scene, soft.stiffness) + 1e-9
+        rows["contact stiffness"] = share
+        if share >= 1.0:  # all that is probed lies above it
+            rows["contact damping"] = 1.0
     return rows if chosen["useMaximalCoordinates"] else rows | _damped(scene, chosen)
 
 

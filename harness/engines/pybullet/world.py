@@ -6,23 +6,16 @@ already. The shaking of a plane is a gravity that is set anew before each step. 
 client, so that worlds do not meet. Of a timestep in parts PyBullet hands over the impulse of the
 last part, divided by the whole timestep. Steps that nobody looks at are the parts of one long step:
 the same numbers in one call.
-
-PyBullet moves the principal axes at the centre of mass, while the harness reads the centre of the
-can and its axes. Without a point mass the axes are the same; with one they are turned and off the
-centre:
-
-    R_WB = R_WI R_IB,    p = p_com - R_WB c,    v = v_com - omega x R_WB c
-
-with c the centre of mass from the can's centre in the can's axes.
 """
 
+import math
 import tempfile
 import weakref
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from itertools import repeat
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
@@ -39,6 +32,7 @@ from harness.engines import (
     obj_text,
 )
 from harness.engines.pybullet.contact_points import numbers_of, resultants
+from harness.engines.pybullet.frames import Frames, Reading, State
 from harness.engines.pybullet.settings import (
     DYNAMICS,
     PROCESS_WIDE,
@@ -49,96 +43,8 @@ from harness.engines.pybullet.settings import (
 )
 from harness.engines.pybullet.suppress_output import pybullet
 from harness.engines.suppress_output import silence
-from models import Pose, Twist, ground_urdf, to_body, urdf
+from models import Pose, Twist, ground_urdf, urdf
 from models.gravity import gravity_vector, shaking
-
-Numbers: TypeAlias = Sequence[float]
-State: TypeAlias = tuple[Numbers, Numbers, Numbers, Numbers]
-"""Position, quaternion (scalar last), velocity, angular velocity, in world coordinates."""
-
-
-class Frames:
-    """Where PyBullet's frame lies in a can.
-
-    Parameters
-    ----------
-    centre : sequence of 3 floats
-        The centre of mass in the can's axes, from the can's centre, m.
-    axes : sequence of 4 floats
-        Quaternion from PyBullet's frame to the can's, scalar last.
-    """
-
-    def __init__(self, centre: Numbers, axes: Numbers) -> None:
-        x, y, z, w = axes
-        self.centre, self._from_centre = tuple(centre), tuple(-part for part in centre)
-        self._axes, self._back = (x, y, z, w), (-x, -y, -z, w)
-
-    @property
-    def rotation(self) -> Floats:
-        """The principal axes as columns in the can's axes, shape (3, 3)."""
-        x, y, z, w = self._axes
-        return to_body((w, x, y, z), np.eye(3))
-
-    def can(
-        self, position: Numbers, quaternion: Numbers, velocity: Numbers, spin: Numbers
-    ) -> State:
-        """Return the state of the can's own frame, given that of PyBullet's."""
-        turned = _product(quaternion, self._back)
-        arm = _turned(turned, self._from_centre)
-        return _shifted(position, turned, velocity, spin, arm)
-
-    def principal(
-        self, position: Numbers, quaternion: Numbers, velocity: Numbers, spin: Numbers
-    ) -> State:
-        """Return the state of PyBullet's frame, given that of the can's."""
-        turned = _product(quaternion, self._axes)
-        return _shifted(position, turned, velocity, spin, _turned(quaternion, self.centre))
-
-
-def _shifted(
-    position: Numbers, quaternion: Numbers, velocity: Numbers, spin: Numbers, arm: Numbers
-) -> State:
-    """Return the state of a point at the end of an arm, in a frame of its own orientation."""
-    (x, y, z), (o_x, o_y, o_z) = arm, spin
-    return (
-        (position[0] + x, position[1] + y, position[2] + z),
-        quaternion,
-        (
-            velocity[0] + o_y * z - o_z * y,
-            velocity[1] + o_z * x - o_x * z,
-            velocity[2] + o_x * y - o_y * x,
-        ),
-        spin,
-    )
-
-
-Reading: TypeAlias = Callable[[Numbers, Numbers, Numbers, Numbers], State]
-"""Turns a state of PyBullet's frame into that of the can."""
-
-
-def _product(first: Numbers, second: Numbers) -> tuple[float, float, float, float]:
-    """Return the product of two quaternions, scalar last: the second turn, then the first."""
-    x, y, z, w = first
-    a, b, c, d = second
-    return (
-        w * a + x * d + y * c - z * b,
-        w * b - x * c + y * d + z * a,
-        w * c + x * b - y * a + z * d,
-        w * d - x * a - y * b - z * c,
-    )
-
-
-def _turned(quaternion: Numbers, vector: Numbers) -> tuple[float, float, float]:
-    """Return a vector turned by a quaternion, scalar last."""
-    x, y, z, w = quaternion
-    a, b, c = vector
-    t_x, t_y, t_z = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
-    return (
-        a + w * t_x + y * t_z - z * t_y,
-        b + w * t_y + z * t_x - x * t_z,
-        c + w * t_z + x * t_y - y * t_x,
-    )
-
 
 _RIGID = 1e18  # N/m: what PyBullet gives a body that declares no stiffness
 ANY_LINK = -2
@@ -179,6 +85,17 @@ def steps_together(steps: int, timestep: float) -> int:
     )
 
 
+def in_parts(timestep: float, parts: int) -> float:
+    """Return the longest timestep up to this one that is so many parts without a remainder.
+
+    PyBullet takes as many parts as fit into the time that is left over: where a rounding leaves no
+    room for the last, one fewer, and from then on the can is late by one.
+    """
+    mantissa, exponent = math.frexp(timestep)
+    digits, odd = int(math.ldexp(mantissa, 53)), parts // (parts & -parts)
+    return math.ldexp(digits - digits % odd, exponent - 53)
+
+
 class PybulletWorld:
     """One can on one plane in PyBullet.
 
@@ -199,7 +116,6 @@ class PybulletWorld:
         self._scene, self._shaken = case.scene, case.scene.effects.shake is not None
         self._gravity, self._time = gravity_vector(case.scene), 0.0
         pybullet.setGravity(*self._gravity.tolist(), **here)
-        pybullet.setTimeStep(timestep, **here)
         solver = dict(PROCESS_WIDE) | given(SOLVER, chosen)
         algorithm = solver.pop("constraintSolverType")
         pybullet.setPhysicsEngineParameter(**solver, **here)
@@ -209,6 +125,7 @@ class PybulletWorld:
                 pybullet.setPhysicsEngineParameter(constraintSolverType=number, **here)
         self._sub_steps = int(chosen["numSubSteps"])  # type: ignore[arg-type]
         self.parts = max(self._sub_steps, 1)
+        pybullet.setTimeStep(in_parts(timestep, self.parts), **here)
         flags = sum(getattr(pybullet, name) for name in urdf_flags(chosen))
         with tempfile.TemporaryDirectory() as folder:
             path, mesh = Path(folder), chosen[MESH_SETTING.name]
@@ -282,7 +199,14 @@ class PybulletWorld:
         """Step by another length from now on."""
         if timestep != self._timestep:
             self._timestep = timestep
-            pybullet.setTimeStep(timestep, physicsClientId=self.client)
+            pybullet.setTimeStep(in_parts(timestep, self.parts), physicsClientId=self.client)
+
+    def take_parts(self) -> None:
+        """Step by what was a part of a timestep from now on."""
+        if self.parts > 1:
+            self._timestep = in_parts(self._timestep, self.parts) / self.parts
+            self._sub_steps, self.parts = 0, 1
+            self._step_by(self._timestep, self._sub_steps)
 
     def _dynamics(self) -> tuple[Any, ...]:
         info: tuple[Any, ...] = pybullet.getDynamicsInfo(self.can, -1, physicsClientId=self.client)

@@ -189,16 +189,20 @@ class WorldEngine(ABC, Generic[W]):
 
     def parity(self, case: Case) -> tuple[ParityRow, ...]:
         """Return the compiled model of a case against its scene."""
-        said = self.description
+        said, (world, interval) = self.description, self.probed(case)
         return parity(
-            self.open(case),
+            world,
             case.scene,
-            self.interval(case),
+            interval,
             self.imposed_in(case),
             self.precision(case),
             method=said.method,
             tells_forces=said.tells_forces,
         )
+
+    def probed(self, case: Case) -> tuple[W, float]:
+        """Return the world that parity asks, and how far a step of it advances, s."""
+        return self.open(case), self.interval(case)
 
     def precision(self, case: Case) -> Precision:
         """Return the precision of the engine's numbers in a case; some let a setting choose it."""

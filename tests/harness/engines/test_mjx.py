@@ -230,6 +230,7 @@ def compilations() -> Iterator[list[float]]:
     jax = pytest.importorskip("jax")
     cache = import_module("jax.experimental.compilation_cache.compilation_cache")
     cache.reset_cache()
+    enabled = jax.config.jax_enable_compilation_cache
     jax.config.update("jax_enable_compilation_cache", False)  # noqa: FBT003 - as JAX has it
     jax.clear_caches()
     found: list[float] = []
@@ -242,16 +243,21 @@ def compilations() -> Iterator[list[float]]:
     yield found
     jax.monitoring.unregister_event_duration_listener(compiled)
     cache.reset_cache()
-    jax.config.update("jax_enable_compilation_cache", True)  # noqa: FBT003
+    jax.config.update("jax_enable_compilation_cache", enabled)
 
 
 def test_compiling_is_told_apart_and_once(gentle: Scene, compilations: list[float]) -> None:
     brief = replace(gentle, horizon=Horizon(seconds=0.005))
-    case = case_of(brief, 1e-3, ls_tolerance=0.0125)  # whose compiling nothing else has told
-    first = engine("mjx").simulate(case)
-    assert 0.0 < sum(compilations) < first.compile_s
+    # two programs whose compiling nothing else has told, and which differ in a number alone
+    case, other = (case_of(brief, 1e-3, ls_tolerance=number) for number in (0.0125, 0.0126))
+    told = stepping_engine("mjx").compile_s(case)
+    in_it = sum(compilations)
+    assert 0.0 < in_it < told
     compilations.clear()
     assert engine("mjx").simulate(case).compile_s == 0.0
+    assert sum(compilations) < 0.1 * in_it  # of the probes: what is no step of the motion
+    compilations.clear()
+    assert engine("mjx").simulate(other).compile_s > 0.0
     assert not compilations
 
 
