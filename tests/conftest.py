@@ -88,7 +88,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.hookimpl(trylast=True)  # hypothesis has loaded its profile
 def pytest_configure(config: pytest.Config) -> None:
     """Draw the same examples whatever else runs in this process, and fewer in a quick run."""
-    os.environ["ROCKINGCAN_ENGINES"] = "no-engines"  # in the user's environments, for lists of them
+    os.environ["ROCKINGCAN_ENGINES"] = "no-engines"  # also where a module lists the engines
     if config.option.quick:
         settings.load_profile("quick")
     if settings().derandomize:

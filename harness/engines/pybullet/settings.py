@@ -256,10 +256,11 @@ def imposed_in(case: Case, chosen: Mapping[str, Value]) -> dict[str, float]:
         rows |= dict.fromkeys(_ARMS, math.inf)
         corner = scene.can.radius * outline_gap(prism(32) if mesh is None else mesh)  # type: ignore[arg-type] # as checked
     rows |= rim_within(scene.can, _or(chosen["collisionMargin"], _MARGIN) + corner)
-    if (soft := scene.effects.compliance) is not None:  # the spring begins below the slop
+    if (soft := scene.effects.compliance) is not None:
+        # the spring begins below the slop; the rest is for round-off
         share = _or(chosen["contactSlop"], _SLOP) / probed_depth(scene, soft.stiffness) + 1e-9
         rows["contact stiffness"] = share
-        if share >= 1.0:  # all that is probed lies above it
+        if share >= 1.0:  # all that is probed is within the slop
             rows["contact damping"] = 1.0
     return rows if chosen["useMaximalCoordinates"] else rows | _damped(scene, chosen)
 

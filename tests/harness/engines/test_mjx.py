@@ -255,7 +255,7 @@ def test_compiling_is_told_apart_and_once(gentle: Scene, compilations: list[floa
     assert 0.0 < in_it < told
     compilations.clear()
     assert engine("mjx").simulate(case).compile_s == 0.0
-    assert sum(compilations) < 0.1 * in_it  # of the probes: what is no step of the motion
+    assert sum(compilations) < 0.1 * in_it  # of the probes, a hundredth
     compilations.clear()
     assert engine("mjx").simulate(other).compile_s > 0.0
     assert not compilations

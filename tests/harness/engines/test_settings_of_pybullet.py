@@ -35,7 +35,7 @@ def test_of_a_timestep_in_parts_the_force_is_that_of_its_last_part(gentle: Scene
 
 @pytest.mark.parametrize("profile", ["default", "matched"])
 @pytest.mark.parametrize("scene", ["gentle-rock", "dropped-can", "soft-rock"])
-# by its own clock PyBullet takes one part fewer in the second step of all but the first of these
+# by its own clock PyBullet takes one part fewer in an early step of all but the first of these
 @pytest.mark.parametrize(("timestep", "parts"), [(1e-3, 4), (1e-5, 10), (1e-4, 37), (1e-6, 15)])
 def test_a_timestep_in_parts_is_so_many_steps(
     scene: str, profile: str, timestep: float, parts: int
@@ -80,7 +80,7 @@ def test_a_timestep_in_parts_has_the_can_of_the_scene(scene: str, profile: str) 
         (1e4, 2e-5, ["imposed", "equal"]),
         (1e4, 0.0, ["equal", "equal"]),
         (50.0, None, ["imposed", "equal"]),  # bears the weight at no depth that a can has
-        (1e6, None, ["imposed", "imposed"]),  # bears it above the slop
+        (1e6, None, ["imposed", "imposed"]),  # would bear it within the slop
     ],
 )
 @pytest.mark.parametrize("point_mass", [None, PointMass(mass=0.1, x=0.002, y=0.0, z=0.0)])
